@@ -1,0 +1,49 @@
+# Verbs: demo, test, test-all, format, benchmark, urdf, clean. Each sets up what it needs in .venv.
+PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python3.14; do \
+  $$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
+BIN := .venv/bin
+export PIP_DISABLE_PIP_VERSION_CHECK := 1
+
+.PHONY: demo test test-all lint format benchmark urdf clean
+.DEFAULT_GOAL := demo
+
+demo: .venv/.base  ## simulate both gaits of the paper for 30 s; numbers, plot and film in out/
+	$(BIN)/python examples/first_roll.py
+
+test: .venv/.dev lint  ## format, lint, types, and every test but the slow ones
+	$(BIN)/python -m pytest -n 2
+
+test-all: .venv/.dev lint  ## also the slow studies
+	$(BIN)/python -m pytest -n 2 -m ''
+
+lint: .venv/.dev
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+
+format: .venv/.dev
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+benchmark: .venv/.dev  ## speed, as printed by benchmarks/
+	$(BIN)/python benchmarks/full_model.py
+
+urdf: .venv/.base  ## write urdf/*.urdf anew from the parameters
+	$(BIN)/python -m rrrobot.urdf urdf
+
+clean:
+	rm -rf .venv out build dist .pytest_cache .mypy_cache .ruff_cache
+
+.venv/bin/pip:
+	@test -n "$(PYTHON)" || { echo "rrrobot needs Python 3.11 or newer; set PYTHON=/path/to/python"; exit 1; }
+	@$(PYTHON) -m venv .venv || { rm -rf .venv; $(PYTHON) -m pip install -q --target .tools virtualenv \
+	  && PYTHONPATH=.tools $(PYTHON) -m virtualenv -q .venv && rm -rf .tools; } \
+	  || { rm -rf .venv .tools; echo "$(PYTHON) can make no virtual environment: install its venv module"; exit 1; }
+
+.venv/.base: .venv/bin/pip pyproject.toml
+	$(BIN)/pip install -q -e .
+	@touch $@
+
+.venv/.dev: .venv/bin/pip pyproject.toml
+	$(BIN)/pip install -q -e '.[robots,dev]'
+	@touch $@ .venv/.base

@@ -1,0 +1,86 @@
+"""Checks of user input: each returns a float or an array, or raises one clear error."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from numbers import Real
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rrrobot.errors import ParameterError, RRRobotError
+
+Array = NDArray[np.float64]
+
+
+def finite(
+    name: str,
+    value: object,
+    unit: str = "",
+    *,
+    above: float | None = None,
+    at_least: float | None = None,
+    error: type[RRRobotError] = ParameterError,
+) -> float:
+    """Return `value` as a float; it must be a finite real number within the bound.
+
+    Raises:
+        ParameterError: (or `error`) with the name, the value, the unit and the rule.
+    """
+    rule = "finite"
+    if above is not None:
+        rule = f"greater than {_number(above)} and finite"
+    elif at_least is not None:
+        rule = f"at least {_number(at_least)} and finite"
+    shown = f"{value!r} {unit}".rstrip()
+    if isinstance(value, bool) or not isinstance(value, (Real, np.generic, np.ndarray)):
+        raise error(f"{name} is {shown}: it must be a number, {rule}.")
+    if isinstance(value, np.ndarray) and value.ndim != 0:
+        raise error(f"{name} has shape {value.shape}: it must be one number, {rule}.")
+    number = float(value)
+    shown = f"{number!r} {unit}".rstrip()
+    out_of_bound = (above is not None and not number > above) or (
+        at_least is not None and not number >= at_least
+    )
+    if not math.isfinite(number) or out_of_bound:
+        raise error(f"{name} is {shown}: it must be {rule}.")
+    return number
+
+
+def vector(
+    name: str,
+    value: ArrayLike,
+    size: int,
+    unit: str = "",
+    *,
+    broadcast: bool = False,
+    labels: Sequence[str] = (),
+    error: type[RRRobotError] = ParameterError,
+) -> Array:
+    """Return `value` as a finite array of shape (size,); a scalar is repeated if `broadcast`.
+
+    Raises:
+        ParameterError: (or `error`) with the name, the shape or value, and what is allowed.
+    """
+    try:
+        array = np.array(value, dtype=float)
+    except (TypeError, ValueError) as cause:
+        raise error(f"{name} is {value!r}: it must be {size} numbers.") from cause
+    if broadcast and array.ndim == 0:
+        array = np.full(size, float(array))
+    if array.shape != (size,):
+        names = f" ({', '.join(labels)})" if labels else ""
+        scalar = " or one number for all" if broadcast else ""
+        raise error(
+            f"{name} has shape {array.shape}: it must hold {size} number{'s' * (size != 1)}"
+            f"{names}{scalar}."
+        )
+    if not np.all(np.isfinite(array)):
+        shown = f"{array.tolist()} {unit}".rstrip()
+        raise error(f"{name} is {shown}: every entry must be finite.")
+    return array
+
+
+def _number(bound: float) -> str:
+    return "zero" if bound == 0 else repr(bound)

@@ -1,0 +1,84 @@
+"""Every error of the package: one root, and each kin also a child of the built-in it resembles."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from rrrobot.trajectory import Trajectory
+
+
+class RRRobotError(Exception):
+    """Root of all errors that rrrobot raises on purpose.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> try:
+        ...     rr.RRRobotParameters(leg_mass=-1.0)
+        ... except rr.RRRobotError as error:
+        ...     print(error)
+        leg_mass is -1.0 kg: it must be greater than zero and finite.
+    """
+
+
+class ParameterError(RRRobotError, ValueError):
+    """A physical parameter, a step, a duration or an option is out of range."""
+
+
+class UrdfError(RRRobotError, ValueError):
+    """A URDF is missing, malformed, hostile, or lacks what was asked of it."""
+
+
+class ShellError(RRRobotError, ValueError):
+    """A shell that is not what a model or a constraint needs."""
+
+
+class GaitError(RRRobotError, ValueError):
+    """Leg trajectories or torques of the wrong size, or not finite, or not smooth."""
+
+
+class ModelError(RRRobotError, ValueError):
+    """A model was asked for something that it cannot give."""
+
+
+class ConstraintError(RRRobotError, ArithmeticError):
+    """The KKT system is singular or not finite."""
+
+
+class OutputError(RRRobotError, OSError):
+    """A file cannot be written or read back."""
+
+
+class MissingExtraError(RRRobotError, ImportError):
+    """An optional dependency is not installed."""
+
+
+class SimulationError(RRRobotError, RuntimeError):
+    """A simulation had to stop.
+
+    Attributes:
+        time: time of the stop [s].
+        state: the model's state vector at that time.
+        trajectory: all samples up to the stop, or None if there are none.
+    """
+
+    def __init__(
+        self,
+        message: str,
+        *,
+        time: float,
+        state: object = None,
+        trajectory: Trajectory | None = None,
+    ) -> None:
+        super().__init__(message)
+        self.time = time
+        self.state = state
+        self.trajectory = trajectory
+
+
+class SimulationInterrupted(SimulationError, KeyboardInterrupt):
+    """Ctrl-C during a simulation; `trajectory` holds what was computed."""
+
+
+class GroundClearanceWarning(UserWarning):
+    """A leg can touch the ground, which no model here takes into account."""

@@ -1,0 +1,51 @@
+"""Output files that are written whole or not at all."""
+
+from __future__ import annotations
+
+import os
+import tempfile
+from pathlib import Path
+
+from rrrobot.errors import OutputError
+
+
+def check_writable(path: str | Path) -> Path:
+    """Return the path if a file can be written there; meant for before a long computation.
+
+    Raises:
+        OutputError: the folder is missing or not writable, or the path is a folder.
+    """
+    target = Path(path)
+    folder = target.parent
+    if not folder.is_dir():
+        raise OutputError(f"cannot write {str(target)!r}: there is no folder {str(folder)!r}.")
+    if target.is_dir():
+        raise OutputError(f"cannot write {str(target)!r}: it is a folder; name a file in it.")
+    if not os.access(folder, os.W_OK):
+        raise OutputError(f"cannot write {str(target)!r}: the folder is not writable.")
+    return target
+
+
+def write_whole(path: str | Path, content: bytes) -> Path:
+    """Write a file through a temporary neighbour and a rename, so that no reader sees half of it.
+
+    Raises:
+        OutputError: the file cannot be written; an earlier file of that name is untouched.
+    """
+    target = check_writable(path)
+    handle, name = -1, ""
+    try:
+        handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+        with os.fdopen(handle, "wb") as stream:
+            stream.write(content)
+            stream.flush()
+            os.fsync(stream.fileno())
+        mask = os.umask(0)
+        os.umask(mask)
+        os.chmod(name, 0o666 & ~mask)
+        os.replace(name, target)
+    except OSError as error:
+        if name and os.path.exists(name):
+            os.unlink(name)
+        raise OutputError(f"cannot write {str(target)!r}: {error.strerror or error}.") from error
+    return target

@@ -1,0 +1,1 @@
+"""Models of a robot: one file each."""

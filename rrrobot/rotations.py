@@ -1,0 +1,139 @@
+"""Rotations: roll-pitch-yaw angles, quaternions (x, y, z, w), and their rates.
+
+R_world_body = Rz(yaw) Ry(pitch) Rx(roll). All angles in rad, rates in rad/s.
+"""
+
+from __future__ import annotations
+
+from math import asin, atan2, cos, sin
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rrrobot.checks import Array
+
+
+def skew(a: Array) -> Array:
+    """Matrix [a] with [a] b = a x b, shape (3, 3)."""
+    x, y, z = a.tolist()
+    return np.array(((0.0, -z, y), (z, 0.0, -x), (-y, x, 0.0)))
+
+
+def rotation_from_euler(euler: ArrayLike) -> Array:
+    """R_world_body (3, 3) of (roll, pitch, yaw)."""
+    r, p, y = np.asarray(euler, dtype=float).tolist()
+    cr, sr, cp, sp, cy, sy = cos(r), sin(r), cos(p), sin(p), cos(y), sin(y)
+    return np.array(
+        (
+            (cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr),
+            (sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr),
+            (-sp, cp * sr, cp * cr),
+        )
+    )
+
+
+def quaternion_from_euler(euler: ArrayLike) -> Array:
+    """Unit quaternion (x, y, z, w) of (roll, pitch, yaw); vectorised: (..., 3) -> (..., 4)."""
+    half = 0.5 * np.asarray(euler, dtype=float)
+    (cr, cp, cy), (sr, sp, sy) = np.moveaxis(np.cos(half), -1, 0), np.moveaxis(np.sin(half), -1, 0)
+    return np.stack(
+        (
+            sr * cp * cy - cr * sp * sy,
+            cr * sp * cy + sr * cp * sy,
+            cr * cp * sy - sr * sp * cy,
+            cr * cp * cy + sr * sp * sy,
+        ),
+        axis=-1,
+    )
+
+
+def rotation_from_quaternion(quaternion: ArrayLike) -> Array:
+    """R_world_body of a quaternion (x, y, z, w) of any length but zero."""
+    x, y, z, w = np.asarray(quaternion, dtype=float).tolist()
+    s = 2.0 / (x * x + y * y + z * z + w * w)
+    xs, ys, zs = x * s, y * s, z * s
+    return np.array(
+        (
+            (1.0 - y * ys - z * zs, x * ys - w * zs, x * zs + w * ys),
+            (x * ys + w * zs, 1.0 - x * xs - z * zs, y * zs - w * xs),
+            (x * zs - w * ys, y * zs + w * xs, 1.0 - x * xs - y * ys),
+        )
+    )
+
+
+def quaternion_rate(quaternion: Array, omega_body: Array) -> Array:
+    """Rate of a quaternion: q_dot = q (omega_body, 0) / 2, shape (4,) [1/s]."""
+    x, y, z, w = quaternion.tolist()
+    a, b, c = (0.5 * omega_body).tolist()
+    return np.array(
+        (
+            w * a + y * c - z * b,
+            w * b + z * a - x * c,
+            w * c + x * b - y * a,
+            -x * a - y * b - z * c,
+        )
+    )
+
+
+def euler_from_quaternion(quaternion: ArrayLike) -> Array:
+    """(roll, pitch, yaw) with |pitch| <= pi/2; vectorised: (..., 4) -> (..., 3)."""
+    x, y, z, w = np.moveaxis(np.asarray(quaternion, dtype=float), -1, 0)
+    norm2 = x * x + y * y + z * z + w * w
+    sin_pitch = np.clip(2.0 * (w * y - z * x) / norm2, -1.0, 1.0)
+    return np.stack(
+        (
+            np.arctan2(2.0 * (w * x + y * z), w * w - x * x - y * y + z * z),
+            np.arcsin(sin_pitch),
+            np.arctan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z),
+        ),
+        axis=-1,
+    )
+
+
+def roll_pitch(rotation: Array) -> tuple[float, float]:
+    """(roll, pitch) of R_world_body, with |pitch| <= pi/2 [rad]."""
+    sine, y, z = rotation[2].tolist()
+    return atan2(y, z), asin(max(-1.0, min(1.0, -sine)))
+
+
+def continuous_euler(euler: ArrayLike, start: ArrayLike) -> Array:
+    """The (roll, pitch, yaw) history (n, 3) without jumps, beginning nearest to `start` (3,).
+
+    Every rotation has two families of angles, (r, p, y) and (r + pi, pi - p, y + pi), each up to
+    full turns; each sample takes the member that is nearest to the sample before it.
+    """
+    history = np.array(euler, dtype=float)
+    before = np.asarray(start, dtype=float)
+    full_turn = 2.0 * np.pi
+    for i, angles in enumerate(history):
+        twin = np.array((angles[0] + np.pi, np.pi - angles[1], angles[2] + np.pi))
+        near = angles + full_turn * np.round((before - angles) / full_turn)
+        twin += full_turn * np.round((before - twin) / full_turn)
+        if np.abs(twin - before).sum() < np.abs(near - before).sum():
+            near = twin
+        history[i] = before = near
+    return history
+
+
+def body_rates_matrix(roll: float, pitch: float) -> Array:
+    """B with omega_body = B (roll_rate, pitch_rate, yaw_rate), shape (3, 3)."""
+    cr, sr, cp, sp = cos(roll), sin(roll), cos(pitch), sin(pitch)
+    return np.array(((1.0, 0.0, -sp), (0.0, cr, cp * sr), (0.0, -sr, cp * cr)))
+
+
+def euler_rates(euler: ArrayLike, omega_body: ArrayLike) -> Array:
+    """(roll, pitch, yaw) rates of a body angular velocity; vectorised over leading axes [rad/s].
+
+    Singular at pitch = +-90 degrees.
+    """
+    roll, pitch, _ = np.moveaxis(np.asarray(euler, dtype=float), -1, 0)
+    wx, wy, wz = np.moveaxis(np.asarray(omega_body, dtype=float), -1, 0)
+    about = wy * np.sin(roll) + wz * np.cos(roll)
+    return np.stack(
+        (
+            wx + about * np.tan(pitch),
+            wy * np.cos(roll) - wz * np.sin(roll),
+            about / np.cos(pitch),
+        ),
+        axis=-1,
+    )

@@ -1,0 +1,160 @@
+"""What a settled gait does per cycle: speed, yaw rate, curvature, amplitudes, phases.
+
+Over whole cycles of period T that begin at multiples of T, after the motion has settled, with m_i
+the mean of a quantity over cycle i,
+
+    speed      v     = mean of |m_{i+1} - m_i| / T      of the contact point
+    yaw rate   alpha = mean of (m_{i+1} - m_i) / T      of the yaw angle
+    curvature  K     = alpha / v
+
+Means are exact integrals of a quintic spline through the samples.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+
+from rrrobot.checks import Array, finite
+from rrrobot.errors import ParameterError
+from rrrobot.trajectory import Trajectory
+
+MIN_SAMPLES_PER_CYCLE = 24
+_HARMONIC_POINTS = 128
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SteadyState:
+    """Cycle means and first harmonics of a settled motion.
+
+    Angles are roll, pitch, yaw in this order; each is about mean + amplitude sin(omega t + phase)
+    plus the drift, with omega = 2 pi / period and t the trajectory's time, so that phases compare
+    with those of the gait.
+
+    Attributes:
+        speed: v [m/s], zero or more.
+        velocity: mean velocity along the body's mean x and y axes (2,) [m/s]; y is the leg axis.
+        yaw_rate: alpha [rad/s], positive to the left.
+        amplitude: of the first harmonic (3,) [rad].
+        phase: of the first harmonic, in (-pi, pi] (3,) [rad].
+        mean: angle in the middle of the counted time (3,) [rad].
+        period: of a cycle [s].
+        start: time of the first counted cycle [s].
+        cycles: number of counted cycles.
+        variation: largest deviation of one cycle's step from the mean step, over the mean step
+            (or over 1 um if that is more). Small means settled.
+    """
+
+    speed: float
+    velocity: Array
+    yaw_rate: float
+    amplitude: Array
+    phase: Array
+    mean: Array
+    period: float
+    start: float
+    cycles: int
+    variation: float
+
+    @property
+    def curvature(self) -> float:
+        """K = yaw_rate / speed [1/m]; infinite for a turn on the spot, zero if nothing moves."""
+        if self.speed > 1e-12:
+            return self.yaw_rate / self.speed
+        return math.copysign(math.inf, self.yaw_rate) if abs(self.yaw_rate) > 1e-12 else 0.0
+
+    @property
+    def pitch_yaw_phase_difference(self) -> float:
+        """Phase of the pitch minus that of the yaw, in (-pi, pi] [rad]."""
+        return float(-((self.phase[2] - self.phase[1] + np.pi) % (2 * np.pi) - np.pi))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain data, for JSON."""
+        data = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in asdict(self).items()}
+        return data | {"curvature": self.curvature if math.isfinite(self.curvature) else None}
+
+
+def steady_state(
+    trajectory: Trajectory, *, start: float | None = None, period: float | None = None
+) -> SteadyState:
+    """Steady state of a trajectory; see the module for the definitions.
+
+    Args:
+        trajectory: sampled at least 24 times per cycle.
+        start: counted cycles begin at the first multiple of the period from here on [s]; half
+            the duration by default.
+        period: of a cycle [s]; the gait's by default.
+
+    Raises:
+        ParameterError: no period, too few cycles after `start`, too few samples per cycle.
+    """
+    from scipy.interpolate import make_interp_spline
+
+    time = trajectory.time
+    duration = float(time[-1])
+    if period is None:
+        period = trajectory.period
+    if period is None:
+        raise ParameterError(
+            "the gait has no period, so a steady state has no cycle: give period= in seconds."
+        )
+    period = finite("period", period, "s", above=0)
+    start = finite("start", duration / 2 if start is None else start, "s", at_least=0)
+    # On a curved path the cycle mean depends on where in the gait a cycle begins (circular gait:
+    # 2e-4 of the speed), so cycles begin at whole multiples of the period.
+    start = period * math.ceil(start / period - 1e-9)
+    cycles = math.floor((duration - start) / period + 1e-9)
+    if cycles < 2:
+        raise ParameterError(
+            f"only {max(cycles, 0)} whole cycles of {period:.4g} s fit between {start:.4g} s and "
+            f"{duration:.4g} s: a steady state needs 2. Simulate longer or start earlier."
+        )
+    spacing = float(np.diff(time).max())
+    if period / spacing < MIN_SAMPLES_PER_CYCLE:
+        raise ParameterError(
+            f"the trajectory has {period / spacing:.3g} samples per cycle: a steady state needs "
+            f"{MIN_SAMPLES_PER_CYCLE}. Simulate with sample_interval <= "
+            f"{period / MIN_SAMPLES_PER_CYCLE:.4g} s."
+        )
+    motion = np.column_stack((trajectory.position, trajectory.euler))
+    inside = np.flatnonzero(time >= start - 8 * spacing)
+    spline = make_interp_spline(time[inside], motion[inside], k=5)
+    edges = start + period * np.arange(cycles + 1)
+    means = np.diff(spline.antiderivative()(edges), axis=0) / period
+    steps = np.diff(means, axis=0) / period
+    lengths = np.linalg.norm(steps[:, :2], axis=1)
+    speed = float(lengths.mean())
+    floor = max(speed, 1e-6 / period)
+
+    drift = steps.mean(axis=0)
+    middle = 0.5 * (edges[0] + edges[-1])
+    grid = np.linspace(edges[0], edges[-1], _HARMONIC_POINTS * cycles, endpoint=False)
+    angles = spline(grid)[:, 2:] - np.outer(grid - middle, drift[2:])
+    omega = 2 * np.pi / period
+    sine, cosine = (2 * (f(omega * grid) @ angles) / grid.size for f in (np.sin, np.cos))
+    mean = means.mean(axis=0)[2:]
+
+    heading = means[:, 4]
+    ahead = 0.5 * (heading[1:] + heading[:-1])
+    c, s = np.cos(ahead), np.sin(ahead)
+    along = np.array(
+        (
+            np.mean(c * steps[:, 0] + s * steps[:, 1]),
+            np.mean(-s * steps[:, 0] + c * steps[:, 1]),
+        )
+    )
+    return SteadyState(
+        speed=speed,
+        velocity=along,
+        yaw_rate=float(drift[4]),
+        amplitude=np.hypot(sine, cosine),
+        phase=np.arctan2(cosine, sine),
+        mean=mean,
+        period=period,
+        start=start,
+        cycles=cycles,
+        variation=float(np.abs(lengths - speed).max() / floor),
+    )
