@@ -34,11 +34,16 @@ def finite(
     elif at_least is not None:
         rule = f"at least {_number(at_least)} and finite"
     shown = f"{value!r} {unit}".rstrip()
-    if isinstance(value, bool) or not isinstance(value, (Real, np.generic, np.ndarray)):
-        raise error(f"{name} is {shown}: it must be a number, {rule}.")
     if isinstance(value, np.ndarray) and value.ndim != 0:
         raise error(f"{name} has shape {value.shape}: it must be one number, {rule}.")
-    number = float(value)
+    if isinstance(value, (np.generic, np.ndarray)):
+        value = value.item()
+    if isinstance(value, bool) or not isinstance(value, Real):
+        raise error(f"{name} is {shown}: it must be a number, {rule}.")
+    try:
+        number = float(value)
+    except OverflowError:
+        raise error(f"{name} is too large: it must be {rule}.") from None
     shown = f"{number!r} {unit}".rstrip()
     out_of_bound = (above is not None and not number > above) or (
         at_least is not None and not number >= at_least
@@ -63,19 +68,20 @@ def vector(
     Raises:
         ParameterError: (or `error`) with the name, the shape or value, and what is allowed.
     """
+    names = f" ({', '.join(labels)})" if labels else ""
+    scalar = " or one number for all" if broadcast else ""
+    rule = f"it must hold {size} number{'s' * (size != 1)}{names}{scalar}"
     try:
-        array = np.array(value, dtype=float)
-    except (TypeError, ValueError) as cause:
-        raise error(f"{name} is {value!r}: it must be {size} numbers.") from cause
+        given = np.asarray(value)
+        if given.dtype.kind not in "iufO":
+            raise TypeError("strings, booleans and complex numbers are no real numbers")
+        array = np.array(given, dtype=float)
+    except (TypeError, ValueError, OverflowError) as cause:
+        raise error(f"{name} is {value!r}: {rule}.") from cause
     if broadcast and array.ndim == 0:
         array = np.full(size, float(array))
     if array.shape != (size,):
-        names = f" ({', '.join(labels)})" if labels else ""
-        scalar = " or one number for all" if broadcast else ""
-        raise error(
-            f"{name} has shape {array.shape}: it must hold {size} number{'s' * (size != 1)}"
-            f"{names}{scalar}."
-        )
+        raise error(f"{name} has shape {array.shape}: {rule}.")
     if not np.all(np.isfinite(array)):
         shown = f"{array.tolist()} {unit}".rstrip()
         raise error(f"{name} is {shown}: every entry must be finite.")

@@ -20,7 +20,8 @@ class Damping(ABC):
 
     def __post_init__(self) -> None:
         for name, value in asdict(self).items():
-            object.__setattr__(self, name, finite(name, value, "N m s/rad", at_least=0))
+            checked = finite(f"damping {name}", value, "N m s/rad", at_least=0)
+            object.__setattr__(self, name, checked)
 
     @abstractmethod
     def moment(self, roll: float, pitch: float, omega_body: Array) -> Array:

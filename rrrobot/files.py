@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import stat
 import tempfile
 from pathlib import Path
 
@@ -17,10 +18,18 @@ def check_writable(path: str | Path) -> Path:
     """
     target = Path(path)
     folder = target.parent
-    if not folder.is_dir():
+    if not os.path.isdir(folder):
         raise OutputError(f"cannot write {str(target)!r}: there is no folder {str(folder)!r}.")
-    if target.is_dir():
+    try:
+        mode = os.stat(target).st_mode
+    except FileNotFoundError:
+        mode = stat.S_IFREG
+    except (OSError, ValueError) as error:
+        raise OutputError(f"cannot write {str(target)!r}: {_reason(error)}.") from error
+    if stat.S_ISDIR(mode):
         raise OutputError(f"cannot write {str(target)!r}: it is a folder; name a file in it.")
+    if not stat.S_ISREG(mode):
+        raise OutputError(f"cannot write {str(target)!r}: it is a device or a pipe, not a file.")
     if not os.access(folder, os.W_OK):
         raise OutputError(f"cannot write {str(target)!r}: the folder is not writable.")
     return target
@@ -33,9 +42,9 @@ def write_whole(path: str | Path, content: bytes) -> Path:
         OutputError: the file cannot be written; an earlier file of that name is untouched.
     """
     target = check_writable(path)
-    handle, name = -1, ""
+    name = ""
     try:
-        handle, name = tempfile.mkstemp(prefix=f".{target.name}.", dir=target.parent)
+        handle, name = tempfile.mkstemp(prefix=".rrrobot.", dir=target.parent)
         with os.fdopen(handle, "wb") as stream:
             stream.write(content)
             stream.flush()
@@ -45,7 +54,13 @@ def write_whole(path: str | Path, content: bytes) -> Path:
         os.chmod(name, 0o666 & ~mask)
         os.replace(name, target)
     except OSError as error:
+        raise OutputError(f"cannot write {str(target)!r}: {_reason(error)}.") from error
+    finally:
+        # Gone after the rename; still there after a failure or Ctrl-C.
         if name and os.path.exists(name):
             os.unlink(name)
-        raise OutputError(f"cannot write {str(target)!r}: {error.strerror or error}.") from error
     return target
+
+
+def _reason(error: Exception) -> object:
+    return getattr(error, "strerror", None) or error

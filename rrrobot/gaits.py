@@ -49,10 +49,16 @@ class Gait(ABC):
 def _broadcast_legs(n_legs: int | None, **arrays: ArrayLike) -> tuple[int, list[Array]]:
     """Arrays with one entry per leg; scalars are repeated, two legs if all are scalars."""
     sizes = {name: np.size(value) for name, value in arrays.items() if np.ndim(value) > 0}
-    n = n_legs if n_legs is not None else max(sizes.values(), default=2)
+    n = max(sizes.values(), default=2) if n_legs is None else _leg_count(n_legs)
     return n, [
         vector(name, value, n, broadcast=True, error=GaitError) for name, value in arrays.items()
     ]
+
+
+def _leg_count(n_legs: object) -> int:
+    if isinstance(n_legs, bool) or not isinstance(n_legs, (int, np.integer)) or n_legs < 0:
+        raise GaitError(f"n_legs is {n_legs!r}: it must be a whole number, zero or more.")
+    return int(n_legs)
 
 
 class SinusoidalGait(Gait):
@@ -168,11 +174,15 @@ class FourierGait(Gait):
         self._omega = self.angular_frequency * np.arange(1, len(self.cosine) + 1)
 
     def _coefficients(self, name: str, value: ArrayLike) -> Array:
-        array = np.atleast_2d(np.asarray(value, dtype=float))
-        if array.ndim != 2 or array.shape[1] != self.n_legs or not np.all(np.isfinite(array)):
-            raise GaitError(
-                f"{name} has shape {array.shape}: it must be finite, (harmonics, {self.n_legs})."
-            )
+        rule = f"it must hold finite numbers, (harmonics, {self.n_legs})"
+        try:
+            array = np.atleast_2d(np.array(value, dtype=float))
+        except (TypeError, ValueError) as cause:
+            raise GaitError(f"{name} is {value!r}: {rule}.") from cause
+        if array.ndim != 2 or array.shape[1] != self.n_legs:
+            raise GaitError(f"{name} has shape {array.shape}: {rule}.")
+        if not np.all(np.isfinite(array)):
+            raise GaitError(f"{name} is {array.tolist()}: {rule}.")
         return array
 
     def __call__(self, time: ArrayLike) -> LegMotion:
@@ -233,6 +243,8 @@ class RampIn(Gait):
     """
 
     def __init__(self, gait: Gait, duration: float) -> None:
+        if not isinstance(gait, Gait):
+            raise GaitError(f"gait is {type(gait).__name__}: RampIn blends into a Gait.")
         self.gait = gait
         self.duration = finite("duration", duration, "s", above=0, error=GaitError)
         self.n_legs = gait.n_legs
@@ -288,13 +300,18 @@ class CallableGait(Gait):
         check_span: tuple[float, float] = (0.0, 10.0),
         name: str | None = None,
     ) -> None:
+        if not callable(function):
+            raise GaitError(f"function is {function!r}: it must be callable with a time.")
         self.function = function
-        self.n_legs = n_legs
+        self.n_legs = _leg_count(n_legs)
         self.period = (
             None if period is None else finite("period", period, "s", above=0, error=GaitError)
         )
         self.name = name or getattr(function, "__name__", type(function).__name__)
-        self._check(*check_span)
+        start, stop = vector("check_span", check_span, 2, "s", error=GaitError)
+        if not stop > start:
+            raise GaitError(f"check_span is {check_span!r} s: it must end after it starts.")
+        self._check(float(start), float(stop))
 
     def _one(self, time: float) -> LegMotion:
         value = self.function(time)
@@ -368,6 +385,8 @@ def gait(
 
 def _common_period(omega: Array) -> float | None:
     """Shortest time after which all sinusoids repeat, if their ratios are small fractions."""
+    if omega.size == 0:
+        return None
     base = float(omega.min())
     for denominator in range(1, 33):
         turns = omega / base * denominator

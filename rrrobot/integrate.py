@@ -18,11 +18,11 @@ from rrrobot.errors import ConstraintError, GaitError, ParameterError
 Progress = Callable[[float], None]
 """Called with the simulated time [s] after each step."""
 
-RTOL = 1e-8
+RTOL = 1e-10
 ATOL = 1e-10
 MAX_STEP = 0.05
-"""Default tolerances and longest step [s] of the adaptive integrator: on RRRobot the longest step
-rules, on a robot that rocks faster than about 1 Hz the tolerances do."""
+"""Default tolerances and longest step [s] of the adaptive integrator. They keep the energy of a
+robot that rocks or tumbles freely to 1e-9 of itself over half a minute."""
 
 
 class Observer(Protocol):
@@ -85,7 +85,7 @@ def integrate(
     times: Array,
     stepping: Stepping,
     *,
-    observer: Observer,
+    observer: Observer | None = None,
     progress: Progress | None = None,
 ) -> Integration:
     """Integrate dy/dt = rate(t, y) from times[0] to times[-1].
@@ -99,7 +99,8 @@ def integrate(
     start, end = float(times[0]), float(times[-1])
     states = np.empty((times.size, y0.size))
     states[0] = y0
-    observer.sampled(0, states[:1])
+    if observer is not None:
+        observer.sampled(0, states[:1])
     filled, now, y, evaluations = 1, start, y0, 0
     stop, interrupted = None, False
     try:
@@ -121,15 +122,19 @@ def integrate(
             reached = int(np.searchsorted(times, now, side="right"))
             if reached > filled:
                 states[filled:reached] = solver.dense_output()(times[filled:reached]).T
-                observer.sampled(filled, states[filled:reached])
+                if observer is not None:
+                    observer.sampled(filled, states[filled:reached])
                 filled = reached
-            stop = observer.stepped(y)
+            if observer is not None:
+                stop = observer.stepped(y)
             if progress is not None:
                 progress(now)
     except KeyboardInterrupt:
         stop, interrupted = "the simulation was interrupted", True
     except (ConstraintError, GaitError) as error:
         stop = str(error).rstrip(".")
+    except (ArithmeticError, np.linalg.LinAlgError) as error:
+        stop = f"the state ran away within a step ({error}): take a shorter one"
     return Integration(states[:filled], now, y, evaluations, stop, interrupted)
 
 

@@ -6,6 +6,8 @@ import warnings
 from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
 from rrrobot.checks import finite
 from rrrobot.errors import GroundClearanceWarning, ParameterError
 
@@ -111,12 +113,15 @@ def _pair(value: PerLeg) -> tuple[float, float]:
 
 
 def _checked(name: str, value: Any, unit: str) -> PerLeg:
+    if isinstance(value, np.ndarray):
+        value = value.tolist()
     if isinstance(value, (tuple, list)):
         if name not in _PER_LEG:
             raise ParameterError(f"{name} is {value!r}: it must be one number, in {unit}.")
         if len(value) != 2:
             raise ParameterError(
-                f"{name} has {len(value)} entries: give one number for both legs or a pair."
+                f"{name} has {len(value)} entries, {value!r} {unit}: give one number for both legs "
+                "or a pair."
             )
         first, second = (finite(f"{name}[{i}]", v, unit, above=0) for i, v in enumerate(value))
         return (first, second)

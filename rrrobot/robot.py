@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import Any
 
@@ -15,11 +15,8 @@ from numpy.typing import ArrayLike
 from rrrobot.checks import Array, finite, vector
 from rrrobot.errors import MissingExtraError, ParameterError, ShellError, UrdfError
 from rrrobot.parameters import RRRobotParameters
-from rrrobot.surfaces import Sphere, Surface, surface_from_dict
-from rrrobot.urdf import LEGS, parse_urdf, read_urdf, root_link, rrrobot_urdf
-
-SHELL_FRAME = "rrrobot_shell"
-"""Frame that every Robot adds to its Pinocchio model: the shell's centre and axes."""
+from rrrobot.surfaces import SHELL_FRAME, Sphere, Surface, surface_from_dict
+from rrrobot.urdf import LEGS, parse_urdf, read_urdf, root_link, rrrobot_urdf, urdf_text
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -69,13 +66,13 @@ class Robot:
                 f"shell is {self.shell!r}: it must be a surface, such as Sphere(radius=0.12)."
             )
         normal = vector("ground_normal", self.ground_normal, 3)
-        length = float(np.linalg.norm(normal))
-        if length == 0 or normal[2] <= 0:
+        if normal[2] <= 0:
             raise ParameterError(
                 f"ground_normal is {normal.tolist()}: it must point up (third entry above zero)."
             )
+        normal /= np.abs(normal).max()
         set_field = object.__setattr__
-        set_field(self, "ground_normal", normal / length)
+        set_field(self, "ground_normal", normal / np.linalg.norm(normal))
         set_field(self, "shell_center", vector("shell_center", self.shell_center, 3, "m"))
         set_field(self, "gravity", finite("gravity", self.gravity, "m/s^2", at_least=0))
         for array in (self.ground_normal, self.shell_center):
@@ -84,9 +81,7 @@ class Robot:
         model.gravity.linear = np.array((0.0, 0.0, -self.gravity))
         set_field(self, "name", model.name)
         set_field(self, "shell_placement", _add_shell_frame(model, self))
-        mass = float(pin.computeTotalMass(model))
-        if not (math.isfinite(mass) and mass > 0):
-            raise UrdfError(f"the robot's total mass is {mass} kg: it must be above zero.")
+        _check_masses(model)
         set_field(self, "model", model)
 
     @classmethod
@@ -105,7 +100,7 @@ class Robot:
             shell_link="shell",
             shell_center=np.zeros(3),
             gravity=p.gravity,
-            ground_normal=np.asarray(ground_normal, dtype=float),
+            ground_normal=vector("ground_normal", ground_normal, 3),
         )
 
     @classmethod
@@ -167,7 +162,7 @@ class Robot:
             shell_center=vector("shell_center", shell_center, 3, "m"),
             locked=held,
             gravity=gravity,
-            ground_normal=np.asarray(ground_normal, dtype=float),
+            ground_normal=vector("ground_normal", ground_normal, 3),
             package_dirs=tuple(str(folder) for folder in package_dirs),
         )
 
@@ -214,12 +209,11 @@ class Robot:
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> Robot:
         """The robot that `to_dict` wrote; its URDF is checked as any other."""
-        fields = dict(data)
-        parse_urdf(fields["urdf"])
-        fields["shell"] = surface_from_dict(fields["shell"])
-        fields["legs"] = tuple(fields["legs"])
-        fields["package_dirs"] = tuple(fields["package_dirs"])
-        return cls(**fields)
+        parts = dict(data)
+        parts["shell"] = surface_from_dict(parts["shell"])
+        parts["legs"] = tuple(parts["legs"])
+        parts["package_dirs"] = tuple(parts["package_dirs"])
+        return cls(**parts)
 
     def __repr__(self) -> str:
         return (
@@ -227,7 +221,7 @@ class Robot:
         )
 
     def __reduce__(self) -> tuple[Any, tuple[dict[str, Any]]]:
-        return (Robot.from_dict, (self.to_dict(),))
+        return (_remake, ({f.name: getattr(self, f.name) for f in fields(self) if f.init},))
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Robot) and self.to_dict() == other.to_dict()
@@ -271,16 +265,19 @@ def build_model(
     Raises:
         UrdfError: Pinocchio cannot read it, a name is missing, a joint has several freedoms.
     """
-    # Pinocchio's own parser stops the process on some malformed files; check first.
-    parse_urdf(urdf)
+    # Pinocchio's own parser drops some malformed parts without a word and stops the process on
+    # others; check first, and hand on what was checked.
+    text = urdf_text(parse_urdf(urdf))
     try:
         model = (
-            pin.buildModelFromXML(urdf)
+            pin.buildModelFromXML(text)
             if root_joint is None
-            else pin.buildModelFromXML(urdf, root_joint)
+            else pin.buildModelFromXML(text, root_joint)
         )
     except (ValueError, RuntimeError) as error:
-        raise UrdfError(f"Pinocchio cannot read the URDF: {error}") from None
+        raise UrdfError(
+            f"Pinocchio cannot read the URDF: {error} Its parser says why on the standard error."
+        ) from None
     movable = [name for name in model.names[1:] if name != "root_joint"]
     for name in (*legs, *locked):
         if name not in movable:
@@ -320,8 +317,28 @@ def _leg_names(legs: Sequence[str]) -> tuple[str, ...]:
     return names
 
 
+def _remake(parts: dict[str, Any]) -> Robot:
+    return Robot(**parts)
+
+
+def _check_masses(model: pin.Model) -> None:
+    mass = float(pin.computeTotalMass(model))
+    if not (math.isfinite(mass) and mass > 0):
+        raise UrdfError(f"the robot's total mass is {mass} kg: it must be above zero.")
+    matrix = pin.crba(model, model.createData(), pin.neutral(model))
+    if not np.all(np.isfinite(matrix)):
+        raise UrdfError("the robot's mass matrix is not finite: a mass or a length is too large.")
+    values = np.linalg.eigvalsh(matrix)
+    if values[0] < -1e-9 * values[-1]:
+        raise UrdfError(
+            "the robot's mass matrix is not positive: an <inertia> has a negative principal moment."
+        )
+
+
 def _add_shell_frame(model: pin.Model, robot: Robot) -> pin.SE3:
     """Add SHELL_FRAME to the model; return its placement in the base frame."""
+    if model.existFrame(SHELL_FRAME):
+        raise UrdfError(f"the URDF has the name {SHELL_FRAME!r}: rename it; the shell needs it.")
     bodies = [f.name for f in model.frames if f.type == pin.FrameType.BODY]
     if robot.shell_link not in bodies:
         raise ShellError(
@@ -350,12 +367,12 @@ def _example_loaders() -> dict[str, Any]:
 
 
 def _example_urdf(name: str) -> tuple[Path, Path]:
-    loaders = _example_loaders()
-    if name not in loaders or not loaders[name].urdf_filename:
-        raise UrdfError(f"there is no example robot {name!r}; there are: {', '.join(loaders)}.")
+    known = example_robots()
+    if name not in known:
+        raise UrdfError(f"there is no example robot {name!r}; there are: {', '.join(known)}.")
     from example_robot_data.robots_loader import getModelPath
 
-    loader = loaders[name]
+    loader = _example_loaders()[name]
     relative = Path(loader.path, loader.urdf_subpath, loader.urdf_filename)
     folder = Path(loader.model_path or getModelPath(str(relative)))
     return folder / relative, folder.parent.parent

@@ -105,6 +105,9 @@ def continuous_euler(euler: ArrayLike, start: ArrayLike) -> Array:
     history = np.array(euler, dtype=float)
     before = np.asarray(start, dtype=float)
     full_turn = 2.0 * np.pi
+    near = history + full_turn * np.round((before - history) / full_turn)
+    if np.all(np.abs(near - before) < 1.0):
+        return near
     for i, angles in enumerate(history):
         twin = np.array((angles[0] + np.pi, np.pi - angles[1], angles[2] + np.pi))
         near = angles + full_turn * np.round((before - angles) / full_turn)
@@ -119,6 +122,20 @@ def body_rates_matrix(roll: float, pitch: float) -> Array:
     """B with omega_body = B (roll_rate, pitch_rate, yaw_rate), shape (3, 3)."""
     cr, sr, cp, sp = cos(roll), sin(roll), cos(pitch), sin(pitch)
     return np.array(((1.0, 0.0, -sp), (0.0, cr, cp * sr), (0.0, -sr, cp * cr)))
+
+
+def body_rates_matrix_rate(euler: ArrayLike, rates: ArrayLike) -> Array:
+    """Rate of `body_rates_matrix` for (roll, pitch, yaw) and their rates, (3, 3) [1/s]."""
+    roll, pitch, _ = np.asarray(euler, dtype=float).tolist()
+    roll_rate, pitch_rate, _ = np.asarray(rates, dtype=float).tolist()
+    cr, sr, cp, sp = cos(roll), sin(roll), cos(pitch), sin(pitch)
+    return np.array(
+        (
+            (0.0, 0.0, -cp * pitch_rate),
+            (0.0, -sr * roll_rate, -sp * sr * pitch_rate + cp * cr * roll_rate),
+            (0.0, -cr * roll_rate, -sp * cr * pitch_rate - cp * sr * roll_rate),
+        )
+    )
 
 
 def euler_rates(euler: ArrayLike, omega_body: ArrayLike) -> Array:

@@ -21,7 +21,6 @@ from rrrobot.errors import GaitError, ParameterError, SimulationError, Simulatio
 from rrrobot.gaits import Gait, LegMotion
 from rrrobot.integrate import (
     ATOL,
-    MAX_STEP,
     RTOL,
     Integration,
     Progress,
@@ -95,8 +94,7 @@ def simulate(
     if method != "kkt":
         raise ParameterError(f"method is {method!r}: it must be 'kkt'.")
     times = sample_times(duration, sample_interval)
-    longest = MAX_STEP if gait.period is None else min(MAX_STEP, gait.period / 12)
-    stepping = Stepping(step, rtol, atol, longest)
+    stepping = Stepping(step, rtol, atol, longest_step(gait, model))
     y0 = initial_state(model, gait, start=start, euler=euler, position=position, state=state)
     system = _System(model, gait)
     track = EulerTrack(model, np.zeros(3) if state is not None else euler, times.size)
@@ -294,6 +292,12 @@ def _rolling_motion(
     return configuration, velocity
 
 
+def longest_step(gait: Gait | LegTorques, *models: Model) -> float:
+    """Longest step of the adaptive integrator [s]: the models', and a twelfth of the period."""
+    steps = [model.max_step for model in models]
+    return min(steps if gait.period is None else [*steps, gait.period / 12])
+
+
 class EulerTrack:
     """Follows roll, pitch and yaw without jumps from step to step, and stops at the vertical.
 
@@ -320,8 +324,8 @@ class EulerTrack:
         return None
 
     def _follow(self, states: Array) -> Array:
-        poses = [self.model.place(y[: self.model.n_pose]).quaternion for y in states]
-        return continuous_euler(euler_from_quaternion(np.array(poses)), self.now)
+        quaternions = self.model.quaternions(states[:, : self.model.n_pose])
+        return continuous_euler(euler_from_quaternion(quaternions), self.now)
 
 
 def _describe(model: Model, y: Array) -> str:

@@ -14,13 +14,33 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 
 from rrrobot.checks import Array, finite
 from rrrobot.errors import ParameterError
-from rrrobot.trajectory import Trajectory
+
+
+class Motion(Protocol):
+    """What a steady state is measured of; a `Trajectory` is one."""
+
+    @property
+    def time(self) -> Array:
+        """(n,) [s]"""
+
+    @property
+    def position(self) -> Array:
+        """contact point (n, 2) [m]"""
+
+    @property
+    def euler(self) -> Array:
+        """roll, pitch, yaw without jumps (n, 3) [rad]"""
+
+    @property
+    def period(self) -> float | None:
+        """of the gait [s]"""
+
 
 MIN_SAMPLES_PER_CYCLE = 24
 _HARMONIC_POINTS = 128
@@ -78,7 +98,7 @@ class SteadyState:
 
 
 def steady_state(
-    trajectory: Trajectory, *, start: float | None = None, period: float | None = None
+    trajectory: Motion, *, start: float | None = None, period: float | None = None
 ) -> SteadyState:
     """Steady state of a trajectory; see the module for the definitions.
 

@@ -25,6 +25,10 @@ from rrrobot.errors import ParameterError
 from rrrobot.rotations import skew
 
 
+SHELL_FRAME = "rrrobot_shell"
+"""Frame that every Robot adds to its Pinocchio model: the shell's centre and axes."""
+
+
 class Surface(ABC):
     """A strictly convex shell, centred at the origin of its frame.
 

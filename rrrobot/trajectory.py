@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -15,9 +15,7 @@ from rrrobot.checks import Array
 from rrrobot.errors import ModelError, OutputError
 from rrrobot.files import write_whole
 from rrrobot.robot import Robot
-
-if TYPE_CHECKING:
-    from rrrobot.steady_state import SteadyState
+from rrrobot.steady_state import SteadyState, steady_state
 
 FORMAT = "rrrobot trajectory 1"
 
@@ -130,12 +128,10 @@ class Trajectory:
             >>> round(t.steady_state().speed, 5)
             0.00668
         """
-        from rrrobot.steady_state import steady_state
-
         return steady_state(self, start=start, period=period)
 
     def plot(self, kind: str = "all", ax: Any = None) -> Any:
-        """Plot "angles", "path", "energy" or "force" on `ax`, or "all" in one figure.
+        """Plot "angles", "path", "energy", "force" or "legs" on `ax`, or "all" in one figure.
 
         Returns:
             the Axes, or the Figure for "all".
@@ -158,9 +154,15 @@ class Trajectory:
             "robot": self.robot.to_dict(),
             "metadata": dict(self.metadata),
         }
+        try:
+            text = json.dumps(header)
+        except (TypeError, ValueError) as error:
+            raise OutputError(
+                f"cannot write {str(target)!r}: the metadata is not plain data: {error}."
+            ) from None
         buffer = io.BytesIO()
         arrays = {name: getattr(self, name) for name in _ARRAYS}
-        np.savez_compressed(buffer, header=np.array(json.dumps(header)), **arrays)
+        np.savez_compressed(buffer, header=np.array(text), **arrays)
         return write_whole(target, buffer.getvalue())
 
     @classmethod
@@ -171,21 +173,23 @@ class Trajectory:
             OutputError: the file is missing, damaged, or not a trajectory.
         """
         try:
-            with np.load(path, allow_pickle=False) as archive:
+            with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as archive:
                 header = json.loads(str(archive["header"]))
+                if header["format"] != FORMAT:
+                    raise ValueError(
+                        f"its format is {header['format']!r}, and this version reads {FORMAT!r}"
+                    )
                 arrays = {name: archive[name] for name in _ARRAYS}
+            robot = Robot.from_dict(header["robot"])
+            _check_arrays(arrays, robot)
+            return cls(robot=robot, metadata=dict(header["metadata"]), **arrays)
         except FileNotFoundError:
             raise OutputError(f"there is no file {str(path)!r}: check the path.") from None
-        except (OSError, ValueError, KeyError, EOFError, _zip_error()) as error:
+        except Exception as error:  # a damaged archive raises almost anything
+            reason = str(error).rstrip(".") or type(error).__name__
             raise OutputError(
-                f"{str(path)!r} is not a trajectory that rrrobot saved: {error}."
-            ) from None
-        if header.get("format") != FORMAT:
-            raise OutputError(
-                f"{str(path)!r} has the format {header.get('format')!r}; this version reads "
-                f"{FORMAT!r}."
-            )
-        return cls(robot=Robot.from_dict(header["robot"]), metadata=header["metadata"], **arrays)
+                f"{str(path)!r} is not a trajectory that rrrobot saved: {reason}."
+            ) from error
 
     def __len__(self) -> int:
         return len(self.time)
@@ -206,7 +210,22 @@ class Trajectory:
 _ARRAYS = tuple(f.name for f in fields(Trajectory) if f.name not in ("robot", "metadata"))
 
 
-def _zip_error() -> type[Exception]:
-    from zipfile import BadZipFile
-
-    return BadZipFile
+def _check_arrays(arrays: Mapping[str, Array], robot: Robot) -> None:
+    legs, model = robot.n_legs, robot.model
+    columns = {
+        "euler": 3,
+        "euler_rates": 3,
+        "position": 2,
+        "leg_angle": legs,
+        "leg_rate": legs,
+        "contact_force": 3,
+        "leg_torque": legs,
+        "configuration": model.nq,
+        "velocity": model.nv,
+        "state": arrays["state"].shape[-1],
+    }
+    n = arrays["time"].size
+    for name, array in arrays.items():
+        shape = (n, columns[name]) if name in columns else (n,)
+        if array.shape != shape or array.dtype != np.float64 or n == 0:
+            raise ValueError(f"{name} has shape {array.shape} of {array.dtype}, not {shape}")

@@ -11,20 +11,17 @@ import math
 import warnings
 import xml.etree.ElementTree as ET
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from rrrobot.checks import Array
 from rrrobot.errors import UrdfError
+from rrrobot.meshcat_commands import Colour, Geometry, mesh
 from rrrobot.robot import Robot
 from rrrobot.surfaces import Sphere, Surface
 from rrrobot.urdf import parse_urdf
-
-Colour = tuple[float, ...]
-Geometry = dict[str, Any]
-"""A geometry of three.js in its JSON format, without its uuid; arrays are NumPy's."""
 
 BAND_COLOURS: tuple[Colour, ...] = ((0.84, 0.37, 0.0), (0.0, 0.45, 0.7), (0.25, 0.25, 0.25))
 SHELL_COLOUR: Colour = (0.93, 0.91, 0.86, 0.4)
@@ -85,9 +82,7 @@ def robot_visuals(robot: Robot) -> list[Visual]:
                 geometry, reach, turn, flat = shape
                 at = frame.placement * _origin(element) * turn
                 colour = _colour(element, materials)
-                visuals.append(
-                    Visual(name, frame.parentJoint, at, geometry, colour, reach, flat)
-                )
+                visuals.append(Visual(name, frame.parentJoint, at, geometry, colour, reach, flat))
     if missing:
         listed = "; ".join(dict.fromkeys(missing))
         warnings.warn(f"the viewer leaves out meshes of {robot.name}: {listed}.", stacklevel=2)
@@ -105,31 +100,9 @@ def shell_visuals(robot: Robot) -> list[Visual]:
     visuals = [Visual("shell", 1, place, body, SHELL_COLOUR, reach)]
     for i, colour in enumerate(BAND_COLOURS):
         axes = np.roll(np.eye(3), i + 1, axis=1)
-        band = _round_mesh(shell, np.array((-0.05, 0.0, 0.05)), longitude, axes, 1.004)
+        band = _round_mesh(shell, np.array((-0.05, 0.0, 0.05)), longitude, axes, 1.004 + 0.002 * i)
         visuals.append(Visual(f"band_{'xyz'[i]}", 1, place, band, colour, reach))
     return visuals
-
-
-def mesh(vertices: Array, faces: Array) -> Geometry:
-    """Triangles: vertices (n, 3) [m], faces (m, 3) of vertex numbers."""
-    return {
-        "type": "BufferGeometry",
-        "data": {
-            "attributes": {"position": attribute(vertices)},
-            "index": {"type": "Uint32Array", "array": faces.astype(np.uint32).ravel()},
-        },
-    }
-
-
-def attribute(values: Array) -> dict[str, Any]:
-    """A three.js vertex attribute of values (n, 3)."""
-    array = np.asarray(values, dtype=np.float32)
-    return {
-        "itemSize": array.shape[1],
-        "type": "Float32Array",
-        "array": array.ravel(),
-        "normalized": False,
-    }
 
 
 class _MeshError(Exception):
@@ -197,8 +170,11 @@ def _find(name: str, package_dirs: tuple[str, ...]) -> Path:
     if not name.lower().endswith(_MESHES):
         raise _MeshError(f"{name!r} is none of {', '.join(_MESHES)}")
     bare = name.split("://", 1)[-1]
-    for path in (Path(bare), *(Path(folder, bare) for folder in package_dirs)):
-        if path.is_file() and (path.is_absolute() or not name.startswith("package:")):
+    paths = [Path(folder, bare) for folder in package_dirs]
+    if not name.startswith("package:"):
+        paths.insert(0, Path(bare))
+    for path in paths:
+        if path.is_file():
             return path
     raise _MeshError(f"{name!r} is not found (package_dirs: {', '.join(package_dirs) or 'none'})")
 

@@ -30,6 +30,7 @@ from rrrobot.constraints import (
 from rrrobot.damping import Damping, DampingLike, as_damping
 from rrrobot.errors import ConstraintError, GaitError, ModelError
 from rrrobot.gaits import LegMotion
+from rrrobot.integrate import MAX_STEP
 from rrrobot.robot import JointIndex, Robot
 
 
@@ -76,12 +77,14 @@ class Model(ABC):
         name: "full", "pivoting", "roll", "pitch" or "yaw".
         axes: Euler angles that are free: 0 roll, 1 pitch, 2 yaw.
         n_pose, n_quasi: sizes of the state's parts.
+        max_step: longest step of the adaptive integrator [s].
     """
 
     name: str
     axes: tuple[int, ...] = (0, 1, 2)
     n_pose: int
     n_quasi: int
+    max_step = MAX_STEP
 
     def __init__(
         self,
@@ -109,6 +112,10 @@ class Model(ABC):
     @abstractmethod
     def place(self, pose: Array) -> Placement:
         """The pose in every model's terms."""
+
+    @abstractmethod
+    def quaternions(self, poses: Array) -> Array:
+        """Quaternions (n, 4) of poses (n, n_pose), of any length."""
 
     @abstractmethod
     def pose_rate(self, place: Placement, pose: Array, quasi: Array) -> Array:

@@ -15,8 +15,10 @@ from rrrobot.damping import DampingLike
 from rrrobot.errors import ModelError
 from rrrobot.models.base import Model, Placement
 from rrrobot.robot import Robot
+from rrrobot.rolling import contact_velocity
 from rrrobot.rotations import (
     body_rates_matrix,
+    body_rates_matrix_rate,
     euler_from_quaternion,
     quaternion_from_euler,
     quaternion_rate,
@@ -75,7 +77,8 @@ class FullModel(Model):
         self._tangents = np.array(RollingContact.of(robot).basis[:, :2])
         self._center = np.array(robot.shell_placement.translation)
         self._shell_rotation = np.array(robot.shell_placement.rotation)
-        fixed = robot.shell.fixed_arm(robot.ground_normal)
+        self._off_center = bool(np.any(self._center))
+        self._fixed_arm = fixed = robot.shell.fixed_arm(robot.ground_normal)
         self._fixed_travel = None if fixed is None else self._tangents.T @ skew(fixed)
         self._nv = robot.model.nv
 
@@ -85,30 +88,34 @@ class FullModel(Model):
     def place(self, pose: Array) -> Placement:
         quaternion = pose[:4] / sqrt(pose[:4] @ pose[:4])
         rotation = rotation_from_quaternion(quaternion)
-        arm = self._arm(rotation)
-        contact_in_base = self._center + arm @ rotation
+        arm = self._arm(rotation) if self._fixed_arm is None else self._fixed_arm
+        contact_in_base = arm @ rotation
         configuration = np.empty(7)
-        configuration[:3] = self._tangents @ pose[4:] - rotation @ contact_in_base
+        configuration[:3] = self._tangents @ pose[4:] - arm
         configuration[3:] = quaternion
+        if self._off_center:
+            contact_in_base += self._center
+            configuration[:3] -= rotation @ self._center
         basis = _ANGULAR.copy()
         basis[:3] = skew(contact_in_base)
         return Placement(quaternion, pose[4:], rotation, configuration, basis)
+
+    def quaternions(self, poses: Array) -> Array:
+        return poses[:, :4]
 
     def _arm(self, rotation: Array) -> Array:
         """Contact arm in the world (3,)."""
         return self.robot.shell.arm(rotation @ self._shell_rotation, self.robot.ground_normal)
 
     def pose_rate(self, place: Placement, pose: Array, quasi: Array) -> Array:
-        # The contact point moves with the centre and over the shell: -Omega x rho + rho_dot.
         omega = place.rotation @ quasi
         rate = np.empty(6)
         rate[:4] = quaternion_rate(pose[:4], quasi)
         if self._fixed_travel is not None:
             rate[4:] = self._fixed_travel @ omega
         else:
-            shell, normal = place.rotation @ self._shell_rotation, self.robot.ground_normal
-            travel = skew(self._arm(place.rotation)) @ omega
-            travel += self.robot.shell.arm_rate(shell, omega, normal)
+            robot, shell = self.robot, place.rotation @ self._shell_rotation
+            travel = contact_velocity(robot.shell, shell, omega, robot.ground_normal)
             rate[4:] = travel @ self._tangents
         return rate
 
@@ -154,23 +161,15 @@ class FullModel(Model):
         q, q_dot = vector("q", q, n), vector("q_dot", q_dot, n)
         radius = self._paper_radius()
         euler, rates = q[2:5], q_dot[2:5]
-        (cr, cp, cy), (sr, sp, sy) = np.cos(euler), np.sin(euler)
+        (_, cp, cy), (_, _, sy) = np.cos(euler), np.sin(euler)
         rotation = rotation_from_euler(euler)
         matrix = body_rates_matrix(euler[0], euler[1])
         omega_body = matrix @ rates
-        # B_dot, column by column of omega_body = B (roll, pitch, yaw rates).
-        roll_rate, pitch_rate, _ = rates
-        matrix_rate = np.array(
-            (
-                (0.0, 0.0, -cp * pitch_rate),
-                (0.0, -sr * roll_rate, -sp * sr * pitch_rate + cp * cr * roll_rate),
-                (0.0, -cr * roll_rate, -sp * cr * pitch_rate - cp * sr * roll_rate),
-            )
-        )
         to_v, to_v_rate = np.zeros((self._nv, n)), np.zeros((self._nv, n))
         to_v[:3, :2] = rotation.T[:, :2]
         to_v_rate[:3, :2] = (-skew(omega_body) @ rotation.T)[:, :2]
-        to_v[3:6, 2:5], to_v_rate[3:6, 2:5] = matrix, matrix_rate
+        to_v[3:6, 2:5] = matrix
+        to_v_rate[3:6, 2:5] = body_rates_matrix_rate(euler, rates)
         to_v[self.legs.v, 5 + np.arange(self.n_legs)] = 1.0
 
         configuration = self.configuration(self.make_pose(euler, q[:2]), q[5:])

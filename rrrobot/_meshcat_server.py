@@ -1,0 +1,230 @@
+"""Meshcat's viewer page: as one file that needs no network, or served to this computer alone.
+
+The page holds Meshcat's own script, main.min.js. Commands are MessagePack, as Meshcat sends them.
+The server is a thread of the script that draws: it listens on the loopback interface and nowhere
+else, takes no commands from the network, and ends with the script however that ends.
+"""
+
+from __future__ import annotations
+
+import atexit
+import base64
+import html
+import importlib.util
+import socket
+import threading
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rrrobot.errors import MissingExtraError, OutputError
+
+LOOPBACK = "127.0.0.1"
+
+_EXTENSIONS = {"float32": 0x17, "uint32": 0x16}
+_PAGE = """<!DOCTYPE html>
+<html lang="en">
+<head>
+<meta charset="utf-8">
+<meta http-equiv="Content-Security-Policy" content="default-src 'none'; connect-src {connect};
+ script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:">
+<link rel="icon" href="data:,">
+<title>{title}</title>
+<style>
+body {{ margin: 0; font: 14px/1.4 sans-serif; color: #333; }}
+#meshcat-pane {{ width: 100vw; height: 100vh; overflow: hidden; }}
+#caption {{ position: absolute; left: 1em; bottom: 1em; margin: 0; pointer-events: none; }}
+</style>
+</head>
+<body>
+<div id="meshcat-pane"></div>
+<p id="caption">{title}</p>
+<script>{meshcat}</script>
+<script>
+try {{
+  var viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
+}} catch (error) {{
+  document.getElementById("caption").textContent = "This page needs WebGL: " + error;
+  throw error;
+}}
+viewer.gui.width = 220;
+viewer.gui.__folders["Scene"].close();
+{script}
+</script>
+</body>
+</html>
+"""
+_PLAY = """for (const command of [
+{commands}
+]) viewer.handle_command_bytearray(Uint8Array.from(atob(command), c => c.charCodeAt(0)));
+viewer.gui.open();
+"""
+_CONNECT = """viewer.connect("ws://" + location.host + "/commands");
+"""
+
+
+def pack(command: dict[str, Any]) -> bytes:
+    """A command as Meshcat's viewer reads it; arrays become typed arrays of JavaScript."""
+    import umsgpack
+
+    return bytes(umsgpack.packb(_plain(command)))
+
+
+def film_page(title: str, commands: Iterable[dict[str, Any]]) -> bytes:
+    """A page that carries out the commands, in their order, and needs nothing else."""
+    texts = (f'"{base64.b64encode(pack(command)).decode()}"' for command in commands)
+    return _page(title, _PLAY.format(commands=",\n".join(texts)), "'none'")
+
+
+def live_page(title: str) -> bytes:
+    """A page that carries out the commands that its server sends."""
+    return _page(title, _CONNECT, "ws:")
+
+
+class SceneServer:
+    """Shows one page in any number of browser tabs and keeps them up to date.
+
+    Args:
+        title: of the page.
+        port: on the loopback interface; any free one if None.
+
+    Attributes:
+        url: address of the page.
+
+    Raises:
+        OutputError: the port cannot be had.
+    """
+
+    def __init__(self, title: str, port: int | None = None) -> None:
+        import asyncio
+
+        try:
+            self._socket = socket.create_server((LOOPBACK, port or 0))
+        except (OSError, OverflowError) as error:
+            raise OutputError(
+                f"cannot serve the viewer on port {port}: {error}. Name another port, or none."
+            ) from None
+        self.url = f"http://{LOOPBACK}:{self._socket.getsockname()[1]}/"
+        self._page = live_page(title)
+        self._scene: dict[tuple[str, ...], bytes] = {}
+        self._tabs: set[Any] = set()
+        self._watched = threading.Event()
+        ready = threading.Event()
+        self._thread = threading.Thread(
+            target=lambda: asyncio.run(self._serve(ready)), name="rrrobot viewer", daemon=True
+        )
+        self._thread.start()
+        ready.wait()
+        atexit.register(self.close)
+
+    def send(self, commands: Iterable[dict[str, Any]]) -> None:
+        """Carry out commands in every tab, those opened later included."""
+        if not self._thread.is_alive():
+            raise OutputError("the viewer is closed: make a new Viewer to go on.")
+        packed = [(_key(command), pack(command)) for command in commands]
+        self._loop.call_soon_threadsafe(self._forward, packed)
+
+    def delete(self, path: str) -> None:
+        """Take a node and all below it out of the scene."""
+        self.send([{"type": "delete", "path": path}])
+
+    def wait(self, timeout: float | None = None) -> bool:
+        """Wait until a browser shows the page; False if none does within the timeout [s]."""
+        return self._watched.wait(timeout)
+
+    def close(self) -> None:
+        """Stop serving; again does nothing."""
+        atexit.unregister(self.close)
+        if self._thread.is_alive():
+            self._loop.call_soon_threadsafe(self._stop.set)
+            self._thread.join(timeout=5.0)
+
+    async def _serve(self, ready: threading.Event) -> None:
+        import asyncio
+
+        from tornado.httpserver import HTTPServer
+
+        self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
+        server = HTTPServer(_application(self))
+        self._socket.setblocking(False)
+        server.add_socket(self._socket)
+        ready.set()
+        await self._stop.wait()
+        server.stop()
+        for tab in tuple(self._tabs):
+            tab.close()
+        await server.close_all_connections()
+
+    def _forward(self, packed: list[tuple[tuple[str, ...], bytes]]) -> None:
+        for key, data in packed:
+            if key[1] == "delete":
+                gone = [k for k in self._scene if f"{k[0]}/".startswith(f"{key[0]}/")]
+                for k in gone:
+                    del self._scene[k]
+            else:
+                self._scene[key] = data
+            for tab in self._tabs:
+                tab.write_message(data, binary=True)
+
+    def _opened(self, tab: Any) -> None:
+        for data in self._scene.values():
+            tab.write_message(data, binary=True)
+        self._tabs.add(tab)
+        self._watched.set()
+
+
+def _application(scene: SceneServer) -> Any:
+    from tornado import web, websocket
+
+    class Page(web.RequestHandler):
+        def get(self) -> None:
+            self.set_header("Cache-Control", "no-store")
+            self.finish(scene._page)
+
+    class Commands(websocket.WebSocketHandler):
+        """Tornado lets in only pages of this very origin; what they send is not read."""
+
+        def open(self, *_: str) -> None:
+            scene._opened(self)
+
+        def on_message(self, _: str | bytes) -> None:
+            pass
+
+        def on_close(self) -> None:
+            scene._tabs.discard(self)
+
+    application = web.Application(log_function=lambda _: None)
+    # Other host names are not ours: a hostile site may point one at the loopback address.
+    handlers: list[Any] = [(r"/", Page), (r"/commands", Commands)]
+    application.add_handlers(r"(127\.0\.0\.1|localhost)", handlers)
+    return application
+
+
+def _page(title: str, script: str, connect: str) -> bytes:
+    spec = importlib.util.find_spec("meshcat")
+    if spec is None or not spec.submodule_search_locations:
+        raise MissingExtraError("the viewer needs Meshcat: pip install meshcat.")
+    path = Path(spec.submodule_search_locations[0], "viewer", "dist", "main.min.js")
+    page = _PAGE.format(
+        title=html.escape(title), connect=connect, meshcat=path.read_text("utf-8"), script=script
+    )
+    return page.encode()
+
+
+def _plain(value: Any) -> Any:
+    import umsgpack
+
+    if isinstance(value, np.ndarray):
+        return umsgpack.Ext(_EXTENSIONS[value.dtype.name], value.tobytes())
+    if isinstance(value, dict):
+        return {key: _plain(part) for key, part in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(part) for part in value]
+    return value
+
+
+def _key(command: dict[str, Any]) -> tuple[str, ...]:
+    """What a command overrides: an earlier one with the same key."""
+    return (command["path"], command["type"], str(command.get("property", "")))

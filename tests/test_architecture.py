@@ -1,0 +1,119 @@
+"""The package reads in one direction: each file imports only files that come before it."""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+import rrrobot as rr
+
+PACKAGE = Path(rr.__file__).parent
+ORDER = [
+    "errors",
+    "checks",
+    "files",
+    "parameters",
+    "rotations",
+    "surfaces",
+    "urdf",
+    "robot",
+    "gaits",
+    "torques",
+    "damping",
+    "integrate",
+    "rolling",
+    "constraints",
+    "models",
+    "models.base",
+    "models.full",
+    "models.reduced",
+    "models.pivoting",
+    "models.single_axis",
+    "steady_state",
+    "trajectory",
+    "simulate",
+    "decoupled",
+    "closed_forms",
+    "oscillations",
+    "compare",
+    "table4",
+    "figures",
+    "figures.style",
+    "figures.trajectory",
+    "figures.comparison",
+    "meshcat_commands",
+    "visuals",
+    "scene",
+    "film",
+    "_meshcat_server",
+    "viewer",
+    "cli_types",
+    "cli_options",
+    "cli_report",
+    "cli_build",
+    "cli_simulate",
+    "cli_compare",
+    "cli_view",
+    "cli",
+]
+# A convenience on the result object, loaded when it is called.
+ALLOWED_UP = {("trajectory", "figures.trajectory")}
+
+
+def modules():
+    for path in sorted(PACKAGE.rglob("*.py")):
+        name = ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
+        name = name.removesuffix(".__init__")
+        if name != "__init__":
+            yield name, path
+
+
+def imported(path):
+    """Modules of the package that a file imports anywhere but under TYPE_CHECKING."""
+    tree = ast.parse(path.read_text())
+    typing_only = {
+        id(node)
+        for block in ast.walk(tree)
+        if isinstance(block, ast.If) and getattr(block.test, "id", "") == "TYPE_CHECKING"
+        for node in ast.walk(block)
+    }
+    for node in ast.walk(tree):
+        if id(node) in typing_only:
+            continue
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("rrrobot"):
+            if node.module == "rrrobot":
+                yield from (alias.name for alias in node.names)
+            else:
+                yield node.module.removeprefix("rrrobot.")
+        elif isinstance(node, ast.Import):
+            for alias in node.names:
+                if alias.name.startswith("rrrobot."):
+                    yield alias.name.removeprefix("rrrobot.")
+
+
+def test_every_file_has_its_place():
+    assert sorted(ORDER) == sorted(name for name, _ in modules())
+
+
+@pytest.mark.parametrize("name, path", list(modules()), ids=lambda v: str(v).split("/")[-1])
+def test_imports_point_down(name, path):
+    for target in imported(path):
+        if (name, target) not in ALLOWED_UP:
+            assert ORDER.index(target) < ORDER.index(name), f"{name} imports {target}"
+
+
+def test_public_names_are_declared_and_documented():
+    assert sorted(set(rr.__all__)) == sorted(rr.__all__)
+    for name in rr.__all__:
+        item = getattr(rr, name)
+        assert item.__doc__, f"{name} has no docstring"
+
+
+def test_importing_stays_light():
+    import subprocess
+    import sys
+
+    code = "import sys, rrrobot; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    heavy = {"matplotlib", "meshcat", "yourdfpy", "xarray", "numba", "scipy", "tqdm", "click"}
+    assert not heavy & set(loaded.stdout.split())
