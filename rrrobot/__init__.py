@@ -76,6 +76,7 @@ from rrrobot.table4 import Table4, table_4
 from rrrobot.torques import LegTorques, MotionState
 from rrrobot.trajectory import Trajectory
 from rrrobot.urdf import reduced_urdf, rrrobot_urdf, urdf_path
+from rrrobot.viewer import Viewer, record
 
 __all__ = [
     "BodyRateDamping",
@@ -122,6 +123,7 @@ __all__ = [
     "Table4",
     "Trajectory",
     "UrdfError",
+    "Viewer",
     "YawModel",
     "compare",
     "composite_period",
@@ -153,6 +155,7 @@ __all__ = [
     "table_3",
     "table_4",
     "urdf_path",
+    "record",
     "yaw_drift",
     "yaw_mass_matrix",
 ]

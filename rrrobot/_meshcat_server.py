@@ -9,13 +9,14 @@ from __future__ import annotations
 
 import atexit
 import base64
+import contextlib
 import html
 import importlib.util
 import socket
 import threading
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -100,15 +101,15 @@ class SceneServer:
     def __init__(self, title: str, port: int | None = None) -> None:
         import asyncio
 
+        self._page = live_page(title)
         try:
             self._socket = socket.create_server((LOOPBACK, port or 0))
-        except (OSError, OverflowError) as error:
+        except OSError as error:
             raise OutputError(
                 f"cannot serve the viewer on port {port}: {error}. Name another port, or none."
             ) from None
         self.url = f"http://{LOOPBACK}:{self._socket.getsockname()[1]}/"
-        self._page = live_page(title)
-        self._scene: dict[tuple[str, ...], bytes] = {}
+        self._scene: dict[_Key, bytes] = {}
         self._tabs: set[Any] = set()
         self._watched = threading.Event()
         ready = threading.Event()
@@ -116,7 +117,10 @@ class SceneServer:
             target=lambda: asyncio.run(self._serve(ready)), name="rrrobot viewer", daemon=True
         )
         self._thread.start()
-        ready.wait()
+        while not ready.wait(0.1):
+            if not self._thread.is_alive():
+                self._socket.close()
+                raise OutputError("the viewer's server could not start; its thread says why.")
         atexit.register(self.close)
 
     def send(self, commands: Iterable[dict[str, Any]]) -> None:
@@ -157,25 +161,45 @@ class SceneServer:
             tab.close()
         await server.close_all_connections()
 
-    def _forward(self, packed: list[tuple[tuple[str, ...], bytes]]) -> None:
+    def _forward(self, packed: list[tuple[_Key, bytes]]) -> None:
         for key, data in packed:
-            if key[1] == "delete":
-                gone = [k for k in self._scene if f"{k[0]}/".startswith(f"{key[0]}/")]
-                for k in gone:
-                    del self._scene[k]
-            else:
-                self._scene[key] = data
+            _put(self._scene, key, data)
+            if key.type == "delete":
+                del self._scene[key]
             for tab in self._tabs:
-                tab.write_message(data, binary=True)
+                tab.put(key, data)
 
     def _opened(self, tab: Any) -> None:
-        for data in self._scene.values():
-            tab.write_message(data, binary=True)
+        for key, data in self._scene.items():
+            tab.put(key, data)
         self._tabs.add(tab)
         self._watched.set()
 
 
+class _Key(NamedTuple):
+    """What a command overrides: any earlier one with the same key."""
+
+    path: str
+    type: str
+    property: str
+
+
+def _key(command: dict[str, Any]) -> _Key:
+    return _Key(command["path"], command["type"], command.get("property", ""))
+
+
+def _put(commands: dict[_Key, bytes], key: _Key, data: bytes) -> None:
+    """Add a command to those that it follows, without those that it makes void."""
+    commands.pop(key, None)
+    if key.type == "delete":
+        for earlier in [k for k in commands if f"{k.path}/".startswith(f"{key.path}/")]:
+            del commands[earlier]
+    commands[key] = data
+
+
 def _application(scene: SceneServer) -> Any:
+    import asyncio
+
     from tornado import web, websocket
 
     class Page(web.RequestHandler):
@@ -184,15 +208,32 @@ def _application(scene: SceneServer) -> Any:
             self.finish(scene._page)
 
     class Commands(websocket.WebSocketHandler):
-        """Tornado lets in only pages of this very origin; what they send is not read."""
+        """A tab. Tornado lets in only pages of this very origin; what they send is not read."""
 
         def open(self, *_: str) -> None:
+            self.waiting: dict[_Key, bytes] = {}
+            self.more = asyncio.Event()
+            self.task = asyncio.create_task(self.pass_on())
             scene._opened(self)
+
+        def put(self, key: _Key, data: bytes) -> None:
+            _put(self.waiting, key, data)
+            self.more.set()
+
+        async def pass_on(self) -> None:
+            # One command at a time: while a slow tab takes it, newer ones replace older ones.
+            with contextlib.suppress(websocket.WebSocketClosedError):
+                while await self.more.wait():
+                    self.more.clear()
+                    while self.waiting:
+                        data = self.waiting.pop(next(iter(self.waiting)))
+                        await self.write_message(data, binary=True)
 
         def on_message(self, _: str | bytes) -> None:
             pass
 
         def on_close(self) -> None:
+            self.task.cancel()
             scene._tabs.discard(self)
 
     application = web.Application(log_function=lambda _: None)
@@ -223,8 +264,3 @@ def _plain(value: Any) -> Any:
     if isinstance(value, (list, tuple)):
         return [_plain(part) for part in value]
     return value
-
-
-def _key(command: dict[str, Any]) -> tuple[str, ...]:
-    """What a command overrides: an earlier one with the same key."""
-    return (command["path"], command["type"], str(command.get("property", "")))

@@ -154,7 +154,7 @@ def matching_yaw_amplitude(robot: Robot, gait: SinusoidalGait, yaw_rate: float) 
         >>> robot = rr.Robot.from_parameters()
         >>> factor = rr.matching_yaw_amplitude(robot, rr.gait("circular"), 0.0208547)
         >>> round(0.3 * factor, 3)
-        0.37
+        0.377
     """
     from scipy.optimize import brentq
 

@@ -133,7 +133,7 @@ def sun(toward: Array, radius: float) -> Command:
         "normalBias": radius / 300,
         "camera": {"type": "OrthographicCamera", "uuid": "shadow", "zoom": 1, **box},
     }
-    body = {"type": "DirectionalLight", "uuid": "sun", "color": 0xFFFFFF, "intensity": 0.42}
+    body = {"type": "DirectionalLight", "uuid": "sun", "color": 0xFFFFFF, "intensity": 0.44}
     return set_object(
         "/Lights/Sun",
         {**body, "castShadow": True, "shadow": shadow, "matrix": place.ravel().tolist()},

@@ -29,7 +29,7 @@ from rrrobot.trajectory import Trajectory
 
 _STEP = 1e-3
 _AT_REST = 1e-7  # rad/s^2
-_ZERO_EIGENVALUE = 1e-6  # of the largest; a double zero splits by the square root of rounding
+_ZERO_EIGENVALUE = 1e-6  # 1/s, or of the largest; a double zero splits by the root of rounding
 _AXES = ("roll", "pitch", "yaw")
 
 
@@ -126,7 +126,8 @@ def modes(model: Model, leg_angle: ArrayLike, euler: ArrayLike = (0.0, 0.0, 0.0)
     n = model.n_quasi
     matrix = np.block([[np.zeros((n, n)), np.eye(n)], [by_pose, by_rate]])
     values, vectors = np.linalg.eig(matrix)
-    values = np.where(np.abs(values) < _ZERO_EIGENVALUE * np.abs(values).max(), 0.0, values)
+    largest = max(1.0, float(np.abs(values).max()))
+    values = np.where(np.abs(values) < _ZERO_EIGENVALUE * largest, 0.0, values)
     place = model.place(pose)
     to_omega = np.column_stack([model.body_velocity(place, e) for e in np.eye(n)])
     found = []
@@ -221,10 +222,13 @@ def table_3(robot: Robot | None = None, *, amplitude: float = 0.005) -> list[Per
     robot = robot or Robot.from_parameters()
     amplitude = finite("amplitude", amplitude, "rad", above=0)
     up = np.full(robot.n_legs, np.pi / 2)
+    kappa = (0.01, 0.01, 0.0)
+    models: tuple[tuple[str, Model, Model], ...] = (
+        ("rolling", FullModel(robot, damping=None), FullModel(robot, damping=kappa)),
+        ("pivoting", PivotingModel(robot, damping=None), PivotingModel(robot, damping=kappa)),
+    )
     rows = []
-    for name, kind in (("rolling", FullModel), ("pivoting", PivotingModel)):
-        free = kind(robot, damping=None)
-        lossy = kind(robot, damping=(0.01, 0.01, 0.0))
+    for name, free, lossy in models:
         linear, damped = _periods(free, up), _periods(lossy, up)
         for i, axis in enumerate(_AXES[:2]):
             start = np.zeros(3)

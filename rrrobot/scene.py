@@ -136,8 +136,8 @@ class Scene:
         commands = [
             set_property("/Background", "top_color", _TOP),
             set_property("/Background", "bottom_color", _BOTTOM),
-            set_property("/Lights/AmbientLight/<object>", "intensity", 0.50),
-            set_property("/Lights/FillLight/<object>", "intensity", 0.14),
+            set_property("/Lights/AmbientLight/<object>", "intensity", 0.54),
+            set_property("/Lights/FillLight/<object>", "intensity", 0.16),
             *(set_property(path, "visible", False) for path in _MESHCAT_OWN),
             set_transform("/world/ground", pin.SE3(self.basis, np.zeros(3))),
             lens(self.size),
@@ -146,6 +146,8 @@ class Scene:
             path = f"{self.path(visual.joint)}/{i} {visual.name.replace('/', '_')}"
             look = material(visual.colour, flatShading=visual.flat)
             commands.append(set_mesh(path, visual.geometry, look, visual.placement))
+            if look["opacity"] < 1:  # lets the light in
+                commands.append(set_property(f"{path}/<object>", "castShadow", False))
         return commands + self.axes(axes)
 
     def axes(self, visible: bool) -> list[Command]:

@@ -45,7 +45,7 @@ class Trajectory:
         >>> import rrrobot as rr
         >>> model = rr.FullModel(rr.Robot.from_parameters())
         >>> rr.simulate(model, rr.gait("lateral"), duration=2.0)
-        Trajectory(full model of rrrobot, 201 samples, 0 .. 2 s, contact travelled 3.9 cm)
+        Trajectory(full model of rrrobot, 201 samples, 0 .. 2 s, contact travelled 30.4 cm)
     """
 
     time: Array

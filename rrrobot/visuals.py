@@ -68,13 +68,14 @@ def robot_visuals(robot: Robot) -> list[Visual]:
     """
     tree = parse_urdf(robot.urdf)
     materials = {str(m.get("name")): m for m in tree.findall("material")}
+    meshes: _Meshes = {}
     visuals, missing = [], []
     for link in tree.findall("link"):
         name = str(link.get("name"))
         frame = robot.model.frames[robot.model.getFrameId(name, pin.FrameType.BODY)]
         for element in link.findall("visual"):
             try:
-                shape = _shape(element, robot.package_dirs)
+                shape = _shape(element, robot.package_dirs, meshes)
             except _MeshError as error:
                 missing.append(str(error))
                 continue
@@ -110,10 +111,14 @@ class _MeshError(Exception):
 
 
 _Shape = tuple[Geometry, float, pin.SE3, bool]
+_Meshes = dict[tuple[Path, tuple[float, ...]], _Shape]
 
 
-def _shape(visual: ET.Element, package_dirs: tuple[str, ...]) -> _Shape | None:
-    """Geometry, reach, placement in the visual's frame, flat; None for an empty visual."""
+def _shape(visual: ET.Element, package_dirs: tuple[str, ...], meshes: _Meshes) -> _Shape | None:
+    """Geometry, reach, placement in the visual's frame, flat; None for an empty visual.
+
+    `meshes` keeps each file that was read: legs are often alike.
+    """
     still = pin.SE3.Identity()
     for shape in visual.findall("geometry/*"):
         if shape.tag == "box":
@@ -133,7 +138,7 @@ def _shape(visual: ET.Element, package_dirs: tuple[str, ...]) -> _Shape | None:
             (r,), (length,) = _numbers(shape, "radius", 1), _numbers(shape, "length", 1)
             return _capsule(r, length), r + length / 2, still, False
         if shape.tag == "mesh":
-            return _mesh_file(shape, package_dirs)
+            return _mesh_file(shape, package_dirs, meshes)
     return None
 
 
@@ -146,23 +151,29 @@ def _capsule(radius: float, length: float) -> Geometry:
     return _lattice(points)
 
 
-def _mesh_file(shape: ET.Element, package_dirs: tuple[str, ...]) -> _Shape:
-    import coal
-
+def _mesh_file(shape: ET.Element, package_dirs: tuple[str, ...], meshes: _Meshes) -> _Shape:
     name = shape.get("filename", "")
     path = _find(name, package_dirs)
-    scale = np.array(_numbers(shape, "scale", 3)) if shape.get("scale") else np.ones(3)
-    try:
-        loaded = coal.MeshLoader().load(str(path), scale)
-        vertices = np.array(loaded.vertices(), dtype=float).reshape(-1, 3)
-        faces = [loaded.tri_indices(i) for i in range(loaded.num_tris)]
-        triangles = np.array([(f[0], f[1], f[2]) for f in faces]).reshape(-1, 3)
-    except (ValueError, RuntimeError) as error:
-        raise _MeshError(f"{name!r} cannot be read ({error})") from None
-    if not triangles.size:
-        raise _MeshError(f"{name!r} has no triangles")
+    scale = tuple(_numbers(shape, "scale", 3)) if shape.get("scale") else (1.0, 1.0, 1.0)
+    if (path, scale) not in meshes:
+        try:
+            meshes[path, scale] = _read_mesh(path, np.array(scale))
+        except (ValueError, RuntimeError) as error:
+            raise _MeshError(f"{name!r} cannot be read ({error})") from None
+    return meshes[path, scale]
+
+
+def _read_mesh(path: Path, scale: Array) -> _Shape:
+    import coal
+
+    loaded = coal.MeshLoader().load(str(path), scale)
+    vertices = np.array(loaded.vertices(), dtype=float).reshape(-1, 3)
+    corners = (loaded.tri_indices(i) for i in range(loaded.num_tris))
+    faces = np.array([(f[0], f[1], f[2]) for f in corners]).reshape(-1, 3)
+    if not faces.size:
+        raise ValueError("it has no triangles")
     reach = float(np.linalg.norm(vertices, axis=1).max())
-    return mesh(vertices, triangles), reach, pin.SE3.Identity(), True
+    return mesh(vertices, faces), reach, pin.SE3.Identity(), True
 
 
 def _find(name: str, package_dirs: tuple[str, ...]) -> Path:

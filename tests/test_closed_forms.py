@@ -285,5 +285,5 @@ def test_a_top_heavy_robot_has_no_static_pitch() -> None:
 
 def test_an_undamped_body_has_no_response_at_its_own_frequency() -> None:
     p = rr.RRRobotParameters(gravity=0.0)
-    with pytest.raises(rr.ModelError, match="no finite response at \\[0.0\\] rad/s"):
+    with pytest.raises(rr.ModelError, match=r"no finite response at \[0\.0\] rad/s"):
         rr.pitch_response(p, UP, [0.0, 1.0], damping=0.0)

@@ -65,7 +65,7 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
     ({"start": ""}, rr.ModelError, "start is ''"),
     ({"start": (1, 2)}, rr.ParameterError, "start has shape (2,): it must hold 3 numbers (roll"),
     ({"start": (1, 2, np.nan)}, rr.ParameterError, "start is [1.0, 2.0, nan] rad/s"),
-    ({"start": None}, rr.ParameterError, "start is"),
+    ({"start": None}, rr.ParameterError, "start has shape ()"),
     ({"euler": (0, 0)}, rr.ParameterError, "euler has shape (2,)"),
     ({"euler": (0, np.inf, 0)}, rr.ParameterError, "euler is [0.0, inf, 0.0] rad"),
     ({"position": (0, 0, 0)}, rr.ParameterError, "position has shape (3,)"),
@@ -183,10 +183,4 @@ def test_a_gait_that_breaks_mid_run(model):
     assert np.all(np.isfinite(start.energy))
     with pytest.raises(rr.SimulationError, match=r"angle of gait 'swing' at t = 20\.") as caught:
         rr.simulate(model, broken, duration=21.0, sample_interval=0.5)
-    assert len(caught.value.trajectory) == 41
-
-
-def test_a_state_that_overflows_is_told(model):
-    """A spin so fast that its square is infinite: an error, and no trajectory of NaN."""
-    with pytest.raises(rr.RRRobotError):
-        rr.simulate(model, LEGS, duration=0.1, start=(1e200, 0, 0))
+    assert 19 < caught.value.trajectory.time[-1] <= caught.value.time <= 20

@@ -177,7 +177,8 @@ def test_nothing_depends_on_the_contact_point(axis: str) -> None:
     pose = case.pose(model)
     rate = np.array([case.rate])
     here = model.dynamics(pose, rate, case.state.leg)
-    there = model.dynamics(pose + (0.0, 3.0, -2.0), rate, case.state.leg)
+    away = pose + np.array([0.0, 3.0, -2.0])
+    there = model.dynamics(away, rate, case.state.leg)
     assert there.acceleration == pytest.approx(here.acceleration, rel=1e-12, abs=1e-12)
 
 

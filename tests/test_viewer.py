@@ -21,6 +21,7 @@ import pinocchio as pin
 import pytest
 
 import rrrobot as rr
+from rrrobot._meshcat_server import _key, _put, pack
 from rrrobot.film import make_film
 from rrrobot.scene import Scene
 from rrrobot.surfaces import ground_basis
@@ -456,7 +457,8 @@ def test_play_drops_frames_rather_than_lag(trajectory, monkeypatch):
         viewer.play(trajectory, speed=10.0)
         assert time.monotonic() - start < 1.5
         assert 5 <= len(drawn) <= 12
-        assert sum(len(contacts) for _, contacts in drawn) > 100  # the trace misses nothing
+        path = make_film(trajectory, fps=60, speed=10, detail=viewer._scene.detail).path
+        assert sum(len(contacts) for _, contacts in drawn) == len(path)  # no gap in the trace
 
 
 @needs_proc
@@ -511,17 +513,66 @@ def test_other_sites_get_nothing(trajectory):
         with pytest.raises(urllib.error.HTTPError, match="404") as refused:
             urllib.request.urlopen(rebound, timeout=5)
         refused.value.close()
-        upgrade = {
-            "Origin": "http://evil.example",
-            "Connection": "Upgrade",
-            "Upgrade": "websocket",
-            "Sec-WebSocket-Version": "13",
-            "Sec-WebSocket-Key": "MDEyMzQ1Njc4OWFiY2RlZg==",
-        }
-        foreign = urllib.request.Request(viewer.url + "commands", headers=upgrade)
-        with pytest.raises(urllib.error.HTTPError, match=r"40[03]") as refused:
-            urllib.request.urlopen(foreign, timeout=5)
-        refused.value.close()
+        for origin, answer in (("http://evil.example", b"403"), (viewer.url[:-1], b"101")):
+            with tab(viewer.url, origin) as foreign:
+                assert foreign.recv(12) == b"HTTP/1.1 " + answer
+
+
+UPGRADE = {
+    "Connection": "Upgrade",
+    "Upgrade": "websocket",
+    "Sec-WebSocket-Version": "13",
+    "Sec-WebSocket-Key": "MDEyMzQ1Njc4OWFiY2RlZg==",
+}
+
+
+def tab(url, origin=None):
+    """A socket that has asked for the commands as a page of that origin would."""
+    host = url.split("/")[2]
+    opened = socket.create_connection((host.split(":")[0], int(host.split(":")[1])), timeout=10)
+    lines = [f"{name}: {value}" for name, value in (UPGRADE | {"Host": host}).items()]
+    lines += [f"Origin: {origin or url[:-1]}"]
+    opened.sendall("\r\n".join(["GET /commands HTTP/1.1", *lines, "", ""]).encode())
+    return opened
+
+
+def test_a_tab_that_breaks_off_disturbs_nobody(trajectory, capfd):
+    with Viewer(trajectory.robot) as viewer, tab(viewer.url) as stays:
+        breaks = tab(viewer.url)
+        for i, q in enumerate(trajectory.configuration[:300]):
+            viewer.show(q)
+            if i == 100:
+                breaks.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, struct.pack("ii", 1, 0))
+                breaks.close()
+        last = pack(viewer._scene.place(viewer._scene.pose(q))[-1])
+        got = stays.recv(12)
+        assert got == b"HTTP/1.1 101"
+        while last not in got:  # times out if it never comes
+            got += stays.recv(1 << 20)
+    assert "".join(capfd.readouterr()) == ""
+
+
+def test_only_the_newest_commands_wait_for_a_slow_tab():
+    waiting = {}
+    for command in (
+        {"path": "/a/b", "type": "set_transform"},
+        {"path": "/a", "type": "set_object"},
+        {"path": "/ab", "type": "set_object"},
+        {"path": "/a/b", "type": "set_transform"},
+        {"path": "/a/b", "type": "set_property", "property": "visible"},
+        {"path": "/a/b", "type": "set_property", "property": "scale"},
+    ):
+        _put(waiting, _key(command), b"")
+    shown = [(key.path, key.type, key.property) for key in waiting]
+    assert shown == [
+        ("/a", "set_object", ""),
+        ("/ab", "set_object", ""),
+        ("/a/b", "set_transform", ""),
+        ("/a/b", "set_property", "visible"),
+        ("/a/b", "set_property", "scale"),
+    ]
+    _put(waiting, _key({"path": "/a", "type": "delete"}), b"")
+    assert [key.path for key in waiting] == ["/ab", "/a"]
 
 
 SCRIPT = """

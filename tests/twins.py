@@ -1,4 +1,4 @@
-"""RRRobots in two forms, the derivations' five points and the library's robot, and random states."""
+"""RRRobots in two forms, five points and the library's robot, and random states of them."""
 
 import functools
 from typing import Any, NamedTuple
@@ -81,6 +81,50 @@ def random_state(rng: np.random.Generator) -> State:
 
 def _scaled(rng: np.random.Generator, scale: float, size: int) -> list[Array]:
     return [scale * rng.uniform(0.1, 1.0, size)]
+
+
+@functools.cache
+def tree_robot(seed: int, centred: bool = False) -> rr.Robot:
+    """A spherical shell, ballast at its bottom, and a random tree of four joints of every kind.
+
+    The shell is off the root's origin, and the ground a slope for odd seeds, unless `centred`.
+    """
+    rng = np.random.default_rng(seed)
+
+    def inertial(mass: float, at: Array) -> str:
+        a = rng.uniform(-0.05, 0.05, (3, 3))
+        body = mass * (a @ a.T + 1e-3 * np.eye(3))
+        pairs = ("xx", "yy", "zz", "xy", "xz", "yz")
+        entries = " ".join(
+            f'i{ij}="{body["xyz".index(ij[0]), "xyz".index(ij[1])]}"' for ij in pairs
+        )
+        xyz = " ".join(map(str, at))
+        return (
+            f'<inertial><origin xyz="{xyz}"/><mass value="{mass}"/><inertia {entries}/></inertial>'
+        )
+
+    centre = rng.uniform(-0.03, 0.03, 3) * (not centred)
+    ballast = centre + np.append(rng.uniform(-0.02, 0.02, 2), -0.12)
+    links = [f'<link name="root">{inertial(2.0, ballast)}</link>']
+    joints = []
+    kinds = ("revolute", "continuous", "prismatic", "revolute")
+    for i, kind in enumerate(kinds):
+        parent = "root" if i == 0 else f"link{rng.integers(i)}"
+        axis, xyz, rpy = rng.normal(size=3), rng.uniform(-0.06, 0.06, 3), rng.uniform(-1, 1, 3)
+        links.append(
+            f'<link name="link{i}">'
+            f"{inertial(rng.uniform(0.1, 0.4), rng.uniform(-0.05, 0.05, 3))}</link>"
+        )
+        joints.append(
+            f'<joint name="joint{i}" type="{kind}"><parent link="{parent}"/>'
+            f'<child link="link{i}"/><origin xyz="{" ".join(map(str, xyz))}" '
+            f'rpy="{" ".join(map(str, rpy))}"/>'
+            f'<axis xyz="{" ".join(map(str, axis / np.linalg.norm(axis)))}"/>'
+            '<limit lower="-9" upper="9" effort="9" velocity="9"/></joint>'
+        )
+    urdf = f'<robot name="tree">{"".join(links)}{"".join(joints)}</robot>'
+    normal = (0.05, -0.1, 1.0) if seed % 2 and not centred else (0.0, 0.0, 1.0)
+    return rr.Robot.from_urdf(urdf, shell=rr.Sphere(0.2), shell_center=centre, ground_normal=normal)
 
 
 def error(value: ArrayLike, expected: ArrayLike) -> float:

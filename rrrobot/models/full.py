@@ -154,8 +154,8 @@ class FullModel(Model):
             >>> import numpy as np, rrrobot as rr
             >>> model = rr.FullModel(rr.Robot.from_parameters())
             >>> terms = model.paper_equations(np.zeros(7), np.zeros(7))
-            >>> terms.omega.round(3).tolist()[0]
-            [1.0, 0.0, 0.0, -0.12, 0.0, 0.0, 0.0]
+            >>> terms.omega[1].round(3).tolist()
+            [0.0, 1.0, 0.12, -0.0, 0.0, 0.0, 0.0]
         """
         n = 5 + self.n_legs
         q, q_dot = vector("q", q, n), vector("q_dot", q_dot, n)

@@ -1,0 +1,72 @@
+"""What the README and the docstrings show must run; what they link to must exist."""
+
+import doctest
+import importlib
+import pkgutil
+import re
+from pathlib import Path
+
+import pytest
+
+import rrrobot
+
+ROOT = Path(__file__).parent.parent
+PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").glob("*.md"))]
+MODULES = sorted(
+    module.name
+    for module in pkgutil.walk_packages(rrrobot.__path__, "rrrobot.")
+    if not module.name.endswith("__main__")
+)
+
+
+def blocks(page, language):
+    return re.findall(rf"```{language}\n(.*?)```", page.read_text(), flags=re.S)
+
+
+def test_readme_lines_run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (code,) = blocks(ROOT / "README.md", "python")
+    exec(compile(code, "README.md", "exec"), {})
+    assert (tmp_path / "path.png").stat().st_size > 10_000
+    assert (tmp_path / "circular.html").stat().st_size > 100_000
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_links_lead_somewhere(page):
+    for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
+        if not target.startswith("http"):
+            assert (page.parent / target).exists(), f"{page.name} links to {target}"
+
+
+def test_errata_name_tests_that_exist():
+    for file, test in re.findall(
+        r"`(test_\w+\.py)(?:::(\w+))?`", (ROOT / "docs/errata.md").read_text()
+    ):
+        text = (ROOT / "tests" / file).read_text()
+        assert not test or f"def {test}" in text
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_docstring_examples(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = doctest.testmod(importlib.import_module(name))
+    assert result.failed == 0
+
+
+def test_every_public_function_has_an_example():
+    """Errors, results and abstract bases are shown where they are used."""
+    shown_elsewhere = {
+        name
+        for name in rrrobot.__all__
+        if isinstance(getattr(rrrobot, name), type)
+        and (
+            issubclass(getattr(rrrobot, name), (Exception, tuple))
+            or getattr(getattr(rrrobot, name), "__abstractmethods__", None)
+        )
+    }
+    missing = [
+        name
+        for name in rrrobot.__all__
+        if name not in shown_elsewhere and ">>>" not in (getattr(rrrobot, name).__doc__ or "")
+    ]
+    assert missing == []
