@@ -40,6 +40,12 @@ class Comparison:
             yaw model cannot drift like the full one.
         states: steady state of each.
         yaw_amplitude_factor: leg amplitude of the modulated yaw model over the gait's, or None.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> c = rr.compare(rr.Robot.from_parameters(), rr.gait("circular"), duration=8.0)
+        >>> list(c.states)
+        ['full', 'pivoting', 'decoupled', 'modulated']
     """
 
     gait: Gait

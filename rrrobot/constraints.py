@@ -283,7 +283,13 @@ def kkt_solve(system: KKTSystem) -> KKTSolution:
     """Solve a KKT system.
 
     Raises:
-        ConstraintError: it is singular (rows that depend on each other), or not finite.
+        ConstraintError: it is singular: rows depend on each other.
+
+    Example:
+        >>> import numpy as np, rrrobot as rr
+        >>> free = rr.kkt_build(2 * np.eye(2), np.zeros(2), np.array([1.0, 0.0]))
+        >>> rr.kkt_solve(free).acceleration.tolist()
+        [0.5, 0.0]
     """
     # LAPACK's LU solve of the transpose, which is the same symmetric matrix in its memory order.
     *_, solution, info = _lapack_solve()(system.matrix.T, system.right)
@@ -354,6 +360,14 @@ def projected_acceleration(
         tau: applied generalised force (nv,).
         basis: N (nv, nu), spanning the null space of J.
         basis_rate_u: N_dot u (nv,).
+
+    Example:
+        >>> import numpy as np, rrrobot as rr
+        >>> along_x = np.array([[1.0], [0.0]])
+        >>> push = np.array([3.0, 5.0])
+        >>> a = rr.projected_acceleration(np.eye(2), np.zeros(2), push, along_x, np.zeros(2))
+        >>> a.tolist()
+        [3.0, 0.0]
     """
     reduced = basis.T @ mass @ basis
     right = basis.T @ (tau - bias - mass @ basis_rate_u)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rrrobot.trajectory import Trajectory
@@ -74,6 +75,14 @@ class SimulationError(RRRobotError, RuntimeError):
         self.time = time
         self.state = state
         self.trajectory = trajectory
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        parts: dict[str, Any] = {
+            "time": self.time,
+            "state": self.state,
+            "trajectory": self.trajectory,
+        }
+        return (partial(type(self), **parts), self.args)
 
 
 class SimulationInterrupted(SimulationError, KeyboardInterrupt):

@@ -40,6 +40,12 @@ class Mode:
     Attributes:
         eigenvalue: [1/s]; a negative real part decays, a positive one grows.
         shape: Euler angle rates (roll, pitch, yaw), the largest scaled to 1 (3,).
+
+    Example:
+        >>> import numpy as np, rrrobot as rr
+        >>> (mode,) = rr.modes(rr.PitchModel(rr.Robot.from_parameters()), (np.pi / 2, np.pi / 2))
+        >>> round(mode.period, 4), round(mode.decay_rate, 4)
+        (1.0814, 0.7098)
     """
 
     eigenvalue: complex

@@ -18,6 +18,9 @@ from rrrobot.parameters import RRRobotParameters
 from rrrobot.surfaces import SHELL_FRAME, Sphere, Surface, surface_from_dict
 from rrrobot.urdf import LEGS, parse_urdf, read_urdf, root_link, rrrobot_urdf, urdf_text
 
+# Pinocchio's memory grows with the cube of the freedoms: 240 MB here, tens of GB for 1000.
+_MAX_LEGS = 150
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Robot:
@@ -301,7 +304,13 @@ def build_model(
 
 
 def example_robots() -> tuple[str, ...]:
-    """Names that `Robot.from_example` takes (extra `robots`)."""
+    """Names that `Robot.from_example` takes (extra `robots`).
+
+    Example:
+        >>> import rrrobot as rr
+        >>> "solo12" in rr.example_robots()
+        True
+    """
     return tuple(sorted(n for n, loader in _example_loaders().items() if loader.urdf_filename))
 
 
@@ -322,6 +331,12 @@ def _remake(parts: dict[str, Any]) -> Robot:
 
 
 def _check_masses(model: pin.Model) -> None:
+    legs = model.nv - 6
+    if legs > _MAX_LEGS:
+        raise UrdfError(
+            f"the robot has {legs} moving joints: the limit is {_MAX_LEGS}; name fewer legs, and "
+            "the other joints are held."
+        )
     mass = float(pin.computeTotalMass(model))
     if not (math.isfinite(mass) and mass > 0):
         raise UrdfError(f"the robot's total mass is {mass} kg: it must be above zero.")

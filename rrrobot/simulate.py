@@ -72,7 +72,9 @@ def simulate(
         step: fixed step [s]; adaptive if None.
         rtol, atol: local error tolerances of the adaptive step, which is at most 0.05 s and a
             twelfth of the gait's period.
-        method: "kkt".
+        method: "kkt", the general form; or "momentum", the fast form for prescribed legs on a
+            sphere on level ground, with fixed steps of at most `step` that end at the samples.
+            Forces and torques are Pinocchio's in either.
         progress: called with the simulated time after each step.
 
     Returns:
@@ -91,14 +93,24 @@ def simulate(
         >>> bool(t.slip.max() < 1e-12)
         True
     """
-    if method != "kkt":
-        raise ParameterError(f"method is {method!r}: it must be 'kkt'.")
+    if method not in ("kkt", "momentum"):
+        raise ParameterError(f"method is {method!r}: it must be 'kkt' or 'momentum'.")
     times = sample_times(duration, sample_interval)
     stepping = Stepping(step, rtol, atol, longest_step(gait, model))
     y0 = initial_state(model, gait, start=start, euler=euler, position=position, state=state)
     system = _System(model, gait)
     track = EulerTrack(model, np.zeros(3) if state is not None else euler, times.size)
-    result = integrate(system.rate, y0, times, stepping, observer=track, progress=progress)
+    if method == "momentum":
+        if not isinstance(gait, Gait):
+            raise GaitError("method 'momentum' needs a prescribed gait; use 'kkt' for torques.")
+        # Numba loads here, so that it costs nobody who does not use it.
+        from rrrobot.momentum.run import run
+
+        longest = stepping.checked().step or stepping.max_step
+        result = run(model, gait, y0, times, longest, observer=track, progress=progress)
+        stepping = stepping._replace(step=longest)
+    else:
+        result = integrate(system.rate, y0, times, stepping, observer=track, progress=progress)
     n = len(result.states)
     settings = {
         "method": method,

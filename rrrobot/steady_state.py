@@ -66,6 +66,13 @@ class SteadyState:
         cycles: number of counted cycles.
         variation: largest deviation of one cycle's step from the mean step, over the mean step
             (or over 1 um if that is more). Small means settled.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> model = rr.FullModel(rr.Robot.from_parameters())
+        >>> state = rr.simulate(model, rr.gait("circular"), duration=30.0).steady_state()
+        >>> round(1 / state.curvature, 2)  # radius of the path [m]
+        0.32
     """
 
     speed: float

@@ -54,6 +54,12 @@ class Table4:
         curvature: model -> Spread of curvature ratios.
         points: one dict for each gait: offset, phase_difference [rad] and, by model, speed,
             yaw_rate and curvature; or `stopped`, why a simulation ended early.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> spread = rr.table4.Spread(lowest=0.98, median=1.05, highest=1.15, points=22)
+        >>> rr.Table4(speed={"pivoting": spread}, curvature={}, points=[]).speed["pivoting"].median
+        1.05
     """
 
     speed: dict[str, Spread]

@@ -15,7 +15,15 @@ from rrrobot.errors import GaitError
 
 @dataclass(frozen=True, slots=True)
 class MotionState:
-    """What a feedback law sees; arrays must not be changed."""
+    """What a feedback law sees; arrays must not be changed.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> def hold(state: rr.MotionState):
+        ...     return -0.5 * (state.leg_angle - 1.57) - 0.02 * state.leg_rate
+        >>> rr.LegTorques(hold, angle=(1.4, 1.7), feedback=True).name
+        'hold'
+    """
 
     time: float
     """[s]"""

@@ -47,7 +47,7 @@ CHAINS: dict[str, tuple[tuple[str, str, str], ...]] = {
 """Joints (name, type, axis) from the world to the root link of each reduced-joint URDF."""
 
 # Limits beyond any robot that stands. Pinocchio's parser recurses along a chain of links and takes
-# the process with it when its stack ends; its memory grows with the square of the joints.
+# the process with it when its stack ends.
 _MAX_BYTES = 10_000_000
 _MAX_LINKS = 1000
 _MAX_CHAIN = 250

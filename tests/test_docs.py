@@ -38,12 +38,11 @@ def test_links_lead_somewhere(page):
             assert (page.parent / target).exists(), f"{page.name} links to {target}"
 
 
-def test_errata_name_tests_that_exist():
-    for file, test in re.findall(
-        r"`(test_\w+\.py)(?:::(\w+))?`", (ROOT / "docs/errata.md").read_text()
-    ):
+@pytest.mark.parametrize("page", PAGES, ids=lambda p: p.name)
+def test_pages_name_tests_that_exist(page):
+    for file, test in re.findall(r"`(test_\w+\.py)(?:::(\w+))?`", page.read_text()):
         text = (ROOT / "tests" / file).read_text()
-        assert not test or f"def {test}" in text
+        assert not test or f"def {test}(" in text, f"{page.name} names {file}::{test}"
 
 
 @pytest.mark.parametrize("name", MODULES)

@@ -226,6 +226,20 @@ def test_ball_on_an_incline_has_the_textbook_acceleration():
     np.testing.assert_allclose(t.required_friction, np.tan(beta) * 2 / 7, rtol=1e-9)
 
 
+def test_yaw_damping_sets_the_turning(robot):
+    """Table 4's tenfold: with a tenth of the yaw damping the full model turns like the pivoting."""
+
+    def turning(model):
+        t = rr.simulate(model, rr.gait("circular"), duration=40.0, sample_interval=0.02)
+        return t.steady_state(start=30.0).yaw_rate
+
+    light = turning(rr.FullModel(robot, damping=(0.01, 0.01, 0.001)))
+    pivoting = turning(rr.PivotingModel(robot))
+    assert light == pytest.approx(0.19, rel=0.05) and light == pytest.approx(pivoting, rel=0.1)
+    damped = turning(rr.PivotingModel(robot, damping=(0.01, 0.01, 0.01)))
+    assert abs(damped) < 1e-4
+
+
 def test_pickle(robot):
     model = rr.FullModel(robot, damping=rr.BodyRateDamping(0.1))
     copy = pickle.loads(pickle.dumps(model))

@@ -108,9 +108,8 @@ def _rates(y, c, par, k):  # type: ignore[no-untyped-def]
         k[3 * LANES + i] = -0.5 * (qx * w0 + qy * w1 + qz * w2)
         k[4 * LANES + i], k[5 * LANES + i], k[6 * LANES + i] = f0, f1, f2
         # Contact point of a sphere: r (Omega_y, -Omega_x).
-        ox = (
-            (1.0 - 2.0 * scale * (qy * qy + qz * qz)) * w0
-            + 2.0 * scale * ((qx * qy - qw * qz) * w1 + (qx * qz + qw * qy) * w2)
+        ox = (1.0 - 2.0 * scale * (qy * qy + qz * qz)) * w0 + 2.0 * scale * (
+            (qx * qy - qw * qz) * w1 + (qx * qz + qw * qy) * w2
         )
         oy = (
             2.0 * scale * ((qx * qy + qw * qz) * w0 + (qy * qz - qw * qx) * w2)

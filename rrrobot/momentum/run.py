@@ -1,0 +1,144 @@
+"""One simulation by the momentum engine: prescribed legs, periodic or not, tabulated along the run."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from rrrobot.checks import Array
+from rrrobot.errors import GaitError
+from rrrobot.gaits import Gait
+from rrrobot.integrate import Integration, Observer, Progress
+from rrrobot.models.base import Model
+from rrrobot.momentum.batch import ROWS_PER_STEP, Setting, march, setting_of, stage_times
+from rrrobot.momentum.coefficients import coefficients
+from rrrobot.momentum.kernels import N_STAGES
+from rrrobot.rotations import euler_from_quaternion, euler_rates
+
+_CHUNK = 500
+"""Steps that are tabulated at a time."""
+
+
+def run(
+    model: Model,
+    gait: Gait,
+    y0: Array,
+    times: Array,
+    longest: float,
+    *,
+    observer: Observer,
+    progress: Progress | None = None,
+) -> Integration:
+    """Integrate a model's state by its contact momentum; the result is that of `integrate`.
+
+    Every sample interval is divided into equal steps of DOP853, none longer than `longest` [s].
+
+    Raises:
+        ModelError: the robot's shell is no sphere on level ground.
+        GaitError: the gait is not finite somewhere.
+    """
+    setting = setting_of(model)
+    pieces = np.maximum(1, np.ceil(np.diff(times) / longest - 1e-9).astype(int))
+    states = np.empty((times.size, y0.size))
+    states[0] = y0
+    observer.sampled(0, states[:1])
+    lane = _lane(model, setting, gait, y0, times[0])
+    filled, steps, stop, interrupted = 1, 0, None, False
+    try:
+        while filled < times.size and stop is None:
+            last = filled
+            while last < times.size and pieces[filled - 1 : last].sum() < _CHUNK:
+                last += 1
+            last = max(last, filled + 1)
+            marks = np.cumsum(pieces[filled - 1 : last - 1])
+            history = _march(setting, model, gait, lane, times[filled - 1 : last], marks)
+            bad = np.flatnonzero(~np.all(np.isfinite(history), axis=1))
+            if bad.size:
+                stop = "the integrator failed: the state is not finite"
+                marks = marks[marks < bad[0]]
+            for at in marks:
+                states[filled] = _model_state(model, setting, gait, history[at], times[filled])
+                observer.sampled(filled, states[filled : filled + 1])
+                filled += 1
+                stop = observer.stepped(states[filled - 1]) or stop
+                if stop is not None:
+                    break
+            lane = history[-1]
+            steps += int(marks[-1]) if marks.size else 0
+            if progress is not None:
+                progress(float(times[filled - 1]))
+    except KeyboardInterrupt:
+        stop, interrupted = "the simulation was interrupted", True
+    return Integration(
+        states[:filled], float(times[filled - 1]), states[filled - 1], steps * N_STAGES, stop,
+        interrupted,
+    )  # fmt: skip
+
+
+def _march(
+    setting: Setting, model: Model, gait: Gait, lane: Array, times: Array, marks: Array
+) -> Array:
+    """States of the one lane after each step over the sample intervals (steps + 1, N_STATE)."""
+    counts = np.diff(marks, prepend=0)
+    lengths = np.repeat(np.diff(times) / counts, counts)
+    rows = [
+        stage_times(start, (end - start) / n, n)[: n * ROWS_PER_STEP]
+        for start, end, n in zip(times, times[1:], counts, strict=False)
+    ]
+    instants = np.append(np.concatenate(rows), times[-1])
+    table = _coefficients(model, gait, instants)
+    return march(setting, table[:, :, None], lengths, lane[None])[:, 0]
+
+
+def _coefficients(model: Model, gait: Gait, instants: Array) -> Array:
+    motion = gait(instants)
+    if not (np.all(np.isfinite(motion.angle)) and np.all(np.isfinite(motion.rate))):
+        bad = ~np.all(np.isfinite(motion.angle) & np.isfinite(motion.rate), axis=1)
+        raise GaitError(f"the gait is not finite at t = {instants[bad][0]:.6g} s.")
+    return coefficients(model.robot, motion.angle, motion.rate)
+
+
+def _inertia(setting: Setting, c: Array, up: Array) -> tuple[Array, Array]:
+    """I_P (3, 3) about the pivot and the legs' own K, for one state with z_body = up."""
+    mass, radius = setting.parameters[:2]
+    s, mc = radius * up, c[:3]
+    xx, yy, zz, xy, xz, yz = c[3:9]
+    inertia = np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
+    inertia += (2 * s @ mc + mass * s @ s) * np.eye(3)
+    inertia -= np.outer(s, mc) + np.outer(mc, s) + mass * np.outer(s, s)
+    return inertia, c[12:15] + np.cross(s, c[9:12])
+
+
+def _lane(model: Model, setting: Setting, gait: Gait, y0: Array, time: float) -> Array:
+    """Engine state (N_STATE,) of a model's state vector."""
+    pose, quasi, _ = model.split(y0)
+    place = model.place(pose)
+    c = _coefficients(model, gait, np.array([time]))[0]
+    inertia, own = _inertia(setting, c, place.rotation[2])
+    momentum = inertia @ model.body_velocity(place, quasi) + own
+    if setting.axis >= 0:
+        # Along locked axes the guides hold whatever momentum there is.
+        momentum[np.arange(3) != setting.axis] = 0.0
+    yaw = euler_from_quaternion(place.quaternion)[2]
+    return np.concatenate((place.quaternion, momentum, place.position, [yaw]))
+
+
+def _model_state(model: Model, setting: Setting, gait: Gait, lane: Array, time: float) -> Array:
+    """Model's state vector of an engine state."""
+    quaternion = lane[:4] / np.linalg.norm(lane[:4])
+    x, y, z, w = quaternion
+    up = np.array((2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)))
+    c = _coefficients(model, gait, np.array([time]))[0]
+    inertia, own = _inertia(setting, c, up)
+    if setting.axis >= 0:
+        a = setting.axis
+        omega = np.zeros(3)
+        omega[a] = (lane[4 + a] - own[a]) / inertia[a, a]
+    else:
+        omega = np.linalg.solve(inertia, lane[4:7] - own)
+    if model.name == "full":
+        return np.concatenate((quaternion, lane[7:9], omega))
+    euler = euler_from_quaternion(quaternion)
+    # The turns that the quaternion does not count.
+    euler[2] += 2 * np.pi * np.round((lane[9] - euler[2]) / (2 * np.pi))
+    pose = model.make_pose(euler, lane[7:9])
+    return np.concatenate((pose, model.quasi_from_euler_rates(pose, euler_rates(euler, omega))))
