@@ -143,6 +143,7 @@ __all__ = [
     "modes",
     "pitch_response",
     "projected_acceleration",
+    "record",
     "reduced_urdf",
     "rolling_null_space",
     "rolling_pendulum_period",
@@ -155,7 +156,6 @@ __all__ = [
     "table_3",
     "table_4",
     "urdf_path",
-    "record",
     "yaw_drift",
     "yaw_mass_matrix",
 ]

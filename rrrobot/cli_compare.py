@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import dataclasses
 import io
 import math
 import sys
@@ -36,7 +35,7 @@ _AXES = ("roll", "pitch", "yaw")
 @click.option(
     "--plane",
     is_flag=True,
-    help="Table 4: instead of one gait, all offsets 0 .. pi/2 by phase differences; minutes.",
+    help="Table 4: instead of one gait, all offsets 0 .. pi/2 by phase differences.",
 )
 @click.option(
     "--grid",
@@ -45,9 +44,6 @@ _AXES = ("roll", "pitch", "yaw")
     show_default=True,
     metavar="M N",
     help="Offsets and phase differences of --plane.",
-)
-@click.option(
-    "--store", metavar="FILE", help="With --plane: keep each point; a second run goes on from it."
 )
 @click.option("--quiet", is_flag=True, help="No progress bar.")
 def compare_command(**options: Any) -> None:
@@ -60,13 +56,13 @@ def compare_command(**options: Any) -> None:
     \b
     Examples:
       rrrobot compare --gait circular --out figures
-      rrrobot compare --plane --store table4.jsonl
+      rrrobot compare --plane --grid 13 23
     """
     finite("duration", options["duration"], "s", above=0)
     robot = build_robot(options)
     if options["plane"]:
         table = _plane(robot, options)
-        click.echo(to_json(dataclasses.asdict(table)) if options["as_json"] else _table_4(table))
+        click.echo(to_json(table.to_dict()) if options["as_json"] else _table_4(table))
         return
     folder = None if options["out"] is None else _folder(options["out"])
     gait = build_gait(options, robot)
@@ -141,40 +137,27 @@ def _side_by_side(found: Comparison) -> str:
 
 def _plane(robot: Any, options: dict[str, Any]) -> Table4:
     rows, columns = options["grid"]
-    bar = None
-    if sys.stderr.isatty() and not options["quiet"]:
-        from tqdm import tqdm
-
-        bar = tqdm(total=rows * columns, desc="gaits", file=sys.stderr, leave=False)
-
-    def progress(done: int, _: int) -> None:
-        if bar is not None:
-            bar.update(done - bar.n)
-
     return table_4(
         robot,
         offsets=np.linspace(0, np.pi / 2, rows),
         phase_differences=2 * np.pi * np.arange(1, columns + 1) / (columns + 1),
-        duration=options["duration"],
-        store=options["store"],
-        progress=progress,
     )
 
 
 def _table_4(table: Table4) -> str:
     head = ("ratio to the full model", "paper", "lowest", "median", "highest", "gaits")
     rows = []
-    for quantity, spreads in (("travel", table.speed), ("curvature", table.curvature)):
-        key = "speed" if quantity == "travel" else quantity
+    for quantity in ("speed", "curvature"):
         for model in MODELS[1:]:
-            s = spreads[model]
-            paper = PAPER.get(model, {}).get(key)
+            s = table.spread(model, quantity)
+            paper = PAPER.get(model, {}).get(quantity)
             shown = "" if paper is None else f"{paper:g}"
-            numbers = (f"{v:.3f}" for v in s[:3]) if s.points else ("-",) * 3
-            rows.append((f"{quantity}, {model}", shown, *numbers, str(s.points)))
-    stopped = sum("stopped" in p for p in table.points)
-    note = f"\n{stopped} gaits were stopped by a model at a pitch of 90 degrees." if stopped else ""
-    return _grid(head, rows) + note
+            numbers = (f"{v:.3f}" for v in s[:3]) if s.gaits else ("-",) * 3
+            rows.append((f"{quantity}, {model}", shown, *numbers, str(s.gaits)))
+    return (
+        f"{_grid(head, rows)}\nOver {table.speed['full'].size} gaits; those count where the full "
+        "model travels above 6 mm/s and, for curvature, turns above 5 mrad/s."
+    )
 
 
 def _figures(found: Comparison, folder: Path) -> list[Path]:

@@ -304,7 +304,7 @@ def kkt_solve(system: KKTSystem) -> KKTSolution:
 
 @cache
 def _lapack_solve() -> Callable[..., tuple[Array, Array, Array, int]]:
-    """LAPACK's dgesv: a third of numpy.linalg.solve's time at this size. SciPy loads on first use."""
+    """LAPACK's dgesv, a third of numpy.linalg.solve's time here. SciPy loads on first use."""
     from scipy.linalg.lapack import dgesv
 
     return dgesv

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
-from math import gcd
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -392,6 +391,5 @@ def _common_period(omega: Array) -> float | None:
         turns = omega / base * denominator
         whole = np.round(turns)
         if np.all(np.abs(turns - whole) < 1e-12 * turns):
-            common = gcd(*(int(n) for n in whole))
-            return 2 * np.pi * denominator / base / common
+            return 2 * np.pi * denominator / base
     return None

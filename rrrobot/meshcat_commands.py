@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array
 
@@ -159,13 +160,13 @@ def arrows(path: str, length: float, at: pin.SE3) -> list[Command]:
     return commands
 
 
-def track(name: str, kind: str, times: Array, values: Array) -> Command:
+def track(name: str, kind: str, times: ArrayLike, values: ArrayLike) -> Command:
     """Key frames of a property: times (k,) in frames, values (k,) or (k, m)."""
     return {
         "name": name,
         "type": kind,
-        "times": times.astype(np.float32),
-        "values": values.astype(np.float32).ravel(),
+        "times": np.asarray(times, dtype=np.float32),
+        "values": np.asarray(values, dtype=np.float32).ravel(),
     }
 
 

@@ -28,15 +28,12 @@ from rrrobot.integrate import (
     integrate,
     sample_times,
 )
-from rrrobot.models.base import Dynamics, Model, Placement
+from rrrobot.models.base import VERTICAL_PITCH, Dynamics, Model, Placement
 from rrrobot.models.full import FullModel
 from rrrobot.robot import Robot
 from rrrobot.rotations import continuous_euler, euler_from_quaternion, euler_rates
 from rrrobot.torques import LegTorques, MotionState
 from rrrobot.trajectory import Trajectory
-
-VERTICAL = np.deg2rad(89.5)
-"""Pitch at which a model stops that is singular at 90 degrees [rad]."""
 
 
 def simulate(
@@ -327,7 +324,7 @@ class EulerTrack:
 
     def stepped(self, y: Array) -> str | None:
         self.now = self._follow(y[None])[0]
-        if self.model.singular_at_vertical and abs(self.now[1]) > VERTICAL:
+        if self.model.singular_at_vertical and abs(self.now[1]) > VERTICAL_PITCH:
             return (
                 "the pitch reached +-90 degrees, where the Euler rates, and with them this "
                 "model's damping or coordinates, are singular; swing the legs less, or use the "

@@ -24,7 +24,6 @@ from rrrobot.checks import Array, finite, vector
 from rrrobot.errors import ParameterError
 from rrrobot.rotations import skew
 
-
 SHELL_FRAME = "rrrobot_shell"
 """Frame that every Robot adds to its Pinocchio model: the shell's centre and axes."""
 

@@ -1,29 +1,26 @@
 """Table 4: how far the simplified models' travel and curvature are from the full model's.
 
-Over a plane of leg offset and phase difference every model is simulated, and the ratios of speed
-and curvature to the full model's are collected where the full model really travels and turns.
+Over a plane of leg offset and phase difference every model is simulated by the momentum engine, and
+the ratios of speed and curvature to the full model's are collected where the full model really
+travels and turns.
 """
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Iterable
-from concurrent.futures import Executor, ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
-from multiprocessing import get_context
-from pathlib import Path
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rrrobot.checks import vector
-from rrrobot.compare import MODELS, compare
-from rrrobot.errors import OutputError, ParameterError, SimulationError
-from rrrobot.files import check_writable
+from rrrobot.checks import Array, finite, vector
+from rrrobot.compare import MODELS, matching_yaw_amplitude
+from rrrobot.errors import ModelError, ParameterError
 from rrrobot.gaits import SinusoidalGait
+from rrrobot.models.full import FullModel
+from rrrobot.models.pivoting import PivotingModel
 from rrrobot.robot import Robot
-from rrrobot.simulate import versions
 
 PAPER = {
     "pivoting": {"speed": 1.01, "curvature": 10.0},
@@ -31,9 +28,8 @@ PAPER = {
 }
 """Table 4 as the paper prints it: over- and underprediction in its worst cases."""
 
-MIN_SPEED = 1e-3
-MIN_YAW_RATE = 2e-3
-"""Ratios count where the full model moves at least this fast [m/s] and turns this fast [rad/s]."""
+_CYCLES, _COUNTED, _STEPS = 38, 18, 12
+"""As `Trajectory.steady_state` counts the cycles of a 30 s run at 8 rad/s."""
 
 
 class Spread(NamedTuple):
@@ -42,29 +38,80 @@ class Spread(NamedTuple):
     lowest: float
     median: float
     highest: float
-    points: int
+    gaits: int
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, eq=False)
 class Table4:
-    """Ratios of travel and of curvature, by model, and the points behind them.
+    """Ratios of travel and of curvature, by model, and the maps behind them.
 
     Attributes:
-        speed: model -> Spread of speed ratios.
-        curvature: model -> Spread of curvature ratios.
-        points: one dict for each gait: offset, phase_difference [rad] and, by model, speed,
-            yaw_rate and curvature; or `stopped`, why a simulation ended early.
+        offsets: of both legs (m,) [rad].
+        phase_differences: by which leg 2 leads leg 1 (n,) [rad].
+        speed: model -> speed (m, n) [m/s]; NaN where a model stopped, or, for "modulated", where
+            the yaw model cannot drift as the full one does.
+        yaw_rate: model -> yaw rate (m, n) [rad/s]; likewise.
+        yaw_amplitude: leg amplitude of the modulated yaw model (m, n) [rad]; likewise.
 
     Example:
         >>> import rrrobot as rr
-        >>> spread = rr.table4.Spread(lowest=0.98, median=1.05, highest=1.15, points=22)
-        >>> rr.Table4(speed={"pivoting": spread}, curvature={}, points=[]).speed["pivoting"].median
-        1.05
+        >>> table = rr.table_4(rr.Robot.from_parameters(), offsets=[1.2], phase_differences=[1.57])
+        >>> round(table.spread("pivoting", "speed").median, 2)
+        1.08
     """
 
-    speed: dict[str, Spread]
-    curvature: dict[str, Spread]
-    points: list[dict[str, Any]]
+    offsets: Array
+    phase_differences: Array
+    speed: dict[str, Array]
+    yaw_rate: dict[str, Array]
+    yaw_amplitude: Array
+
+    def ratio(self, model: str, quantity: str) -> Array:
+        """A model's "speed" or "curvature" over the full model's (m, n)."""
+        speed = self.speed[model] / self.speed["full"]
+        if quantity == "speed":
+            return speed
+        if quantity != "curvature":
+            raise ParameterError(f"quantity is {quantity!r}: it must be 'speed' or 'curvature'.")
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.asarray(self.yaw_rate[model] / self.yaw_rate["full"] / speed)
+
+    def spread(
+        self, model: str, quantity: str, *, min_speed: float = 6e-3, min_yaw_rate: float = 5e-3
+    ) -> Spread:
+        """Extremes of a ratio where the full model is faster than both thresholds.
+
+        Args:
+            model: "pivoting", "decoupled" or "modulated".
+            quantity: "speed" or "curvature".
+            min_speed: [m/s].
+            min_yaw_rate: [rad/s]; for curvature only.
+        """
+        counted = self.speed["full"] > min_speed
+        if quantity == "curvature":
+            counted &= np.abs(self.yaw_rate["full"]) > min_yaw_rate
+        ratios = self.ratio(model, quantity)[counted]
+        ratios = ratios[np.isfinite(ratios)]
+        if not ratios.size:
+            return Spread(np.nan, np.nan, np.nan, 0)
+        return Spread(
+            float(ratios.min()), float(np.median(ratios)), float(ratios.max()), ratios.size
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything as plain data, for JSON."""
+        return {
+            "offsets": self.offsets,
+            "phase_differences": self.phase_differences,
+            "speed": self.speed,
+            "yaw_rate": self.yaw_rate,
+            "yaw_amplitude": self.yaw_amplitude,
+            "spread": {
+                f"{quantity}, {model}": self.spread(model, quantity)._asdict()
+                for quantity in ("speed", "curvature")
+                for model in MODELS[1:]
+            },
+        }
 
 
 def table_4(
@@ -74,12 +121,8 @@ def table_4(
     phase_differences: ArrayLike,
     amplitude: float = 0.3,
     angular_frequency: float = 8.0,
-    duration: float = 30.0,
-    store: str | Path | None = None,
-    executor: Executor | None = None,
-    progress: Callable[[int, int], None] | None = None,
 ) -> Table4:
-    """Compare the models over a plane of gaits.
+    """Compare the models over a plane of gaits, each with the paper's damping.
 
     Args:
         robot: RRRobot, or another with two legs and a sphere about its root link's origin.
@@ -87,118 +130,80 @@ def table_4(
         phase_differences: by which leg 2 leads leg 1 (n,) [rad].
         amplitude: of both legs [rad].
         angular_frequency: [rad/s].
-        duration: of each simulation [s].
-        store: a file of JSON lines that takes each point as it is finished; points that it
-            already holds are not simulated again, so an interrupted study goes on.
-        executor: runs the points; two worker processes if None.
-        progress: called with (points done, points in all).
+
+    Returns:
+        the maps over the last 18 of 38 cycles, and ratios.
 
     Raises:
-        OutputError: the store belongs to another study, or cannot be written.
+        ParameterError: an empty list, or a number out of range.
+        ModelError: the robot does not have two legs, or is not what the pivoting model needs.
 
     Example:
-        >>> import rrrobot as rr
-        >>> from concurrent.futures import ThreadPoolExecutor
-        >>> robot = rr.Robot.from_parameters()
-        >>> with ThreadPoolExecutor(1) as pool:
-        ...     table = rr.table_4(robot, offsets=[1.57], phase_differences=[1.57],
-        ...                        duration=12.0, executor=pool)
-        >>> table.speed["pivoting"].points
-        1
+        >>> import numpy as np, rrrobot as rr
+        >>> table = rr.table_4(rr.Robot.from_parameters(), offsets=[np.pi / 2],
+        ...                    phase_differences=[np.pi / 2])
+        >>> table.ratio("pivoting", "speed").round(2).tolist()
+        [[1.01]]
     """
+    from rrrobot.momentum.batch import Gaits, decoupled_setting, setting_of, steady_states
+
     rows = vector("offsets", offsets, np.size(offsets), "rad")
     columns = vector("phase_differences", phase_differences, np.size(phase_differences), "rad")
     if not rows.size or not columns.size:
         raise ParameterError("offsets and phase_differences must each hold at least one angle.")
-    settings = {
-        "study": "table 4",
-        "robot": robot.to_dict(),
-        "amplitude": amplitude,
-        "angular_frequency": angular_frequency,
-        "duration": duration,
-        "versions": versions(),
+    if robot.n_legs != 2:
+        raise ModelError(f"Table 4 is of robots with two legs; this one has {robot.n_legs}.")
+    swing = finite("amplitude", amplitude, "rad", above=0)
+    omega = finite("angular_frequency", angular_frequency, "rad/s", above=0)
+    offset, phase = (a.ravel() for a in np.meshgrid(rows, columns, indexing="ij"))
+    gaits = Gaits(
+        np.column_stack((offset, offset)),
+        np.full((offset.size, 2), swing),
+        np.column_stack((0 * phase, phase)),
+        np.full(offset.size, omega),
+    )
+    single = decoupled_setting(robot)
+    run = partial(
+        steady_states, gaits=gaits, cycles=_CYCLES, counted=_COUNTED, steps_per_cycle=_STEPS
+    )
+    found = {
+        "full": run(setting_of(FullModel(robot))),
+        "pivoting": run(setting_of(PivotingModel(robot))),
+        "decoupled": run(single),
     }
-    gaits = {(float(o), float(p)) for o in rows for p in columns}
-    done = {} if store is None else _read(Path(store), settings)
-    todo = sorted(gaits - done.keys())
-    pool = executor or ProcessPoolExecutor(2, mp_context=get_context("spawn"))
-    try:
-        jobs = [
-            pool.submit(_point, robot, o, p, amplitude, angular_frequency, duration)
-            for o, p in todo
+    amplitudes = np.array(
+        [
+            _matching(robot, o, swing, omega, p, target)
+            for o, p, target in zip(offset, phase, found["full"][:, 3], strict=True)
         ]
-        for job in as_completed(jobs):
-            point = job.result()
-            done[point["offset"], point["phase_difference"]] = point
-            if store is not None:
-                with Path(store).open("a") as lines:
-                    lines.write(json.dumps(point) + "\n")
-            if progress is not None:
-                progress(len(gaits & done.keys()), len(gaits))
-    finally:
-        if executor is None:
-            pool.shutdown(cancel_futures=True)
-    points = [done[key] for key in sorted(gaits)]
+    )
+    known = np.isfinite(amplitudes)
+    modulated = np.where(known, amplitudes, swing)[:, None] * np.ones(2)
+    found["modulated"] = run(single, yaw_amplitude=modulated)
+    found["modulated"][~known] = np.nan
+    shape = (rows.size, columns.size)
     return Table4(
-        speed={m: _spread(points, m, "speed") for m in MODELS[1:]},
-        curvature={m: _spread(points, m, "curvature") for m in MODELS[1:]},
-        points=points,
+        offsets=rows,
+        phase_differences=columns,
+        speed={name: table[:, 0].reshape(shape) for name, table in found.items()},
+        yaw_rate={name: table[:, 3].reshape(shape) for name, table in found.items()},
+        yaw_amplitude=amplitudes.reshape(shape),
     )
 
 
-def _point(
-    robot: Robot, offset: float, phase: float, amplitude: float, omega: float, duration: float
-) -> dict[str, Any]:
-    """One gait, simulated by every model."""
+def _matching(
+    robot: Robot, offset: float, amplitude: float, omega: float, phase: float, target: float
+) -> float:
+    """Leg amplitude at which the yaw model drifts at the target [rad]; NaN if there is none."""
+    if not abs(target) > 1e-6:
+        return np.nan
     gait = SinusoidalGait(
-        offset=(offset, offset), amplitude=amplitude, angular_frequency=omega, phase=(0.0, phase)
+        offset=(offset, offset),
+        amplitude=amplitude,
+        angular_frequency=omega,
+        phase=(0.0, phase),
     )
-    point: dict[str, Any] = {"offset": offset, "phase_difference": phase}
     try:
-        found = compare(robot, gait, duration, sample_interval=0.02)
-    except SimulationError as error:
-        return point | {"stopped": str(error).split(".")[0]}
-    for name, state in found.states.items():
-        point[name] = {"speed": state.speed, "yaw_rate": state.yaw_rate}
-    return point | {"yaw_amplitude_factor": found.yaw_amplitude_factor}
-
-
-def _spread(points: Iterable[dict[str, Any]], model: str, quantity: str) -> Spread:
-    ratios = []
-    for point in points:
-        if "stopped" in point or model not in point:
-            continue
-        full, ours = point["full"], point[model]
-        if full["speed"] < MIN_SPEED or ours["speed"] < 1e-9:
-            continue
-        ratio = ours["speed"] / full["speed"]
-        if quantity == "curvature":
-            if abs(full["yaw_rate"]) < MIN_YAW_RATE:
-                continue
-            ratio = ours["yaw_rate"] / full["yaw_rate"] / ratio
-        ratios.append(ratio)
-    if not ratios:
-        return Spread(float("nan"), float("nan"), float("nan"), 0)
-    return Spread(min(ratios), float(np.median(ratios)), max(ratios), len(ratios))
-
-
-def _read(store: Path, settings: dict[str, Any]) -> dict[tuple[float, float], dict[str, Any]]:
-    """Finished points of a store; a new store gets the settings as its first line."""
-    if not store.exists():
-        check_writable(store)
-        store.write_text(json.dumps(settings) + "\n")
-        return {}
-    try:
-        first, *lines = store.read_text().splitlines()
-        head = json.loads(first)
-        # A killed process may leave half a last line; that point is simulated again.
-        points = [json.loads(line) for line in lines if line.endswith("}")]
-    except (OSError, ValueError) as error:
-        raise OutputError(f"{str(store)!r} is not a study's store: {error}.") from None
-    differ = sorted(k for k in settings if head.get(k) != settings[k])
-    if differ:
-        raise OutputError(
-            f"{str(store)!r} holds another study: it differs in {', '.join(differ)}. Name another "
-            "file, or delete it."
-        )
-    return {(p["offset"], p["phase_difference"]): p for p in points}
+        return amplitude * matching_yaw_amplitude(robot, gait, target)
+    except ModelError:
+        return np.nan

@@ -500,13 +500,9 @@ def _read_numbers(element: ET.Element, attribute: str, place: str) -> list[float
         raise UrdfError(f"<{element.tag}> {place} has no {attribute}: add it.")
     words = text.split()
     try:
-        # float() also takes 1_000 and the digits of other scripts, C++ does not.
-        numbers = [float(word) if word.isascii() and "_" not in word else None for word in words]
+        values = [_number(word) for word in words]
     except ValueError:
-        numbers = [None]
-    values = [number for number in numbers if number is not None]
-    if len(values) != len(numbers):
-        raise UrdfError(f"{where} is not numeric: write plain numbers.")
+        raise UrdfError(f"{where} is not numeric: write plain numbers.") from None
     if not all(map(math.isfinite, values)):
         raise UrdfError(f"{where} must be finite.")
     size = 3 if attribute in ("xyz", "rpy") else 1
@@ -514,6 +510,13 @@ def _read_numbers(element: ET.Element, attribute: str, place: str) -> list[float
         raise UrdfError(f"{where} has {len(values)} numbers: it must have {size}.")
     element.set(attribute, " ".join(words))
     return values
+
+
+def _number(word: str) -> float:
+    """A number that C++ reads too: float() also takes 1_000 and the digits of other scripts."""
+    if "_" in word or not word.isascii():
+        raise ValueError(word)
+    return float(word)
 
 
 def _check_inertia(products: list[float], place: str) -> None:

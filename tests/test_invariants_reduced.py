@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 import pytest
+from scipy.spatial.transform import Rotation
 
 import rrrobot as rr
 from rrrobot.rotations import body_rates_matrix
@@ -84,6 +85,44 @@ def test_trajectories_pickle_and_save(kind: Any, tmp_path: Path) -> None:
                 assert np.array_equal(getattr(again, name), value), name
         assert again.robot == t.robot and again.metadata == t.metadata
         assert again.model_name == kind.name and again.period == GAIT.period
+
+
+@every_model
+def test_the_replayed_motion_turns_as_the_angles_say(kind: Any) -> None:
+    """The free-flyer q and v, which the viewer and Pinocchio replay."""
+    t = rr.simulate(kind(library_robot(UNEQUAL)), GAIT, 1.0, 0.1, position=(0.2, 0.1))
+    assert np.ptp(t.euler[:, kind.axes], axis=0).min() > 0.01
+    for i in range(len(t)):
+        turn = Rotation.from_euler("ZYX", t.euler[i, ::-1])
+        found = Rotation.from_quat(t.configuration[i, 3:7])
+        assert (found * turn.inv()).magnitude() < 1e-14
+        omega = body_rates_matrix(*t.euler[i, :2]) @ t.euler_rates[i]
+        assert t.velocity[i, 3:6] == pytest.approx(omega, abs=1e-14)
+    assert t.configuration[:, :2] == pytest.approx(t.position, abs=1e-15)
+    assert np.array_equal(t.configuration[:, 7:], t.leg_angle)
+    assert np.array_equal(t.velocity[:, 6:], t.leg_rate)
+
+
+@every_model
+def test_a_feedback_law_sees_the_motion(kind: Any) -> None:
+    free = np.array([i in kind.axes for i in range(3)])
+    euler, rates = free * (0.3, -0.4, 0.5), free * (1.0, 2.0, -1.5)
+    seen: list[rr.MotionState] = []
+
+    def law(state: rr.MotionState) -> Array:
+        seen.append(state)
+        return np.zeros(2)
+
+    drive = rr.LegTorques(law, angle=(0.5, 0.6), rate=(0.7, 0.8), feedback=True)
+    model = kind(library_robot())
+    rr.simulate(model, drive, 0.01, euler=euler, start=rates, position=(0.1, 0.2))
+    first = seen[0]
+    turn = Rotation.from_euler("ZYX", euler[::-1]).as_matrix()
+    assert first.R_world_body == pytest.approx(turn, abs=1e-15)
+    omega = body_rates_matrix(*euler[:2]) @ rates
+    assert first.omega_body == pytest.approx(omega, abs=1e-15)
+    assert first.position.tolist() == [0.1, 0.2]
+    assert first.leg_angle.tolist() == [0.5, 0.6] and first.leg_rate.tolist() == [0.7, 0.8]
 
 
 @every_model

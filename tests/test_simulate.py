@@ -82,7 +82,7 @@ BAD: list[tuple[dict[str, Any], type[Exception], str]] = [
 ]
 
 
-@pytest.mark.parametrize(("change", "error", "says"), BAD, ids=lambda v: str(v)[:40])
+@pytest.mark.parametrize(("change", "error", "says"), BAD, ids=[says for _, _, says in BAD])
 def test_bad_arguments(model, change, error, says):
     options = {"gait": LATERAL, "duration": 0.1} | change
     with pytest.raises(error) as caught:

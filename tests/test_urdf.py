@@ -237,12 +237,8 @@ def test_what_is_read_is_written_again_for_every_parser():
 def test_encoding_declarations_and_byte_order_marks(tmp_path):
     """The text is UTF-8, whatever its first line claims."""
     text = rr.rrrobot_urdf().replace('"shell"', '"Hülle"')
-    for head in (
-        "",
-        "\ufeff",
-        '<?xml version="1.0" encoding="latin-1"?>',
-        "\ufeff<?xml version='1.0'?>",
-    ):
+    declarations = [f'<?xml version="1.0" encoding="{e}"?>' for e in ("latin-1", "utf-16", "x")]
+    for head in ("", "\ufeff", "\ufeff<?xml version='1.0'?>", *declarations):
         path = tmp_path / "r.urdf"
         path.write_bytes((head + text).encode())
         for source in (path, str(path), head + text):

@@ -128,6 +128,10 @@ BAD = {
     "too large": (
         robot(*PAIR, joint("j", "a", "b", content=f'<origin xyz="1e200 0 0"/>{MOVES}')),
         "mass matrix is not finite"),
+    "negative within rounding, but all there is": (
+        robot(link("a", BODY.replace('mass value="1"', 'mass value="1e-9"')
+                            .replace('ixx="1"', 'ixx="-5e-7"').replace('"1"', '"1e-9"'))),
+        "mass matrix is not positive"),
     # left to Pinocchio's parser
     "version": (GOOD.replace('"1.1"', '"9.9"'), "Pinocchio cannot read"),
 }  # fmt: skip

@@ -33,6 +33,9 @@ from rrrobot.gaits import LegMotion
 from rrrobot.integrate import MAX_STEP
 from rrrobot.robot import JointIndex, Robot
 
+VERTICAL_PITCH = np.deg2rad(89.5)
+"""Pitch at which a model stops that is singular at 90 degrees [rad]."""
+
 
 class Placement(NamedTuple):
     """A pose in every model's terms; made once per evaluation by `Model.place`."""

@@ -6,16 +6,18 @@ from typing import NamedTuple
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.damping import BodyRateDamping, Damping, EulerRateDamping
 from rrrobot.errors import ModelError
-from rrrobot.models.base import Model
+from rrrobot.models.base import VERTICAL_PITCH, Model
+from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.momentum.coefficients import N_COEFFICIENTS, Tree, fill, tree_of
 from rrrobot.momentum.kernels import (
     BLOCK,
+    DECOUPLED,
     LANES,
+    LIFT_OFF,
     N_PARAMETER,
     N_STAGES,
     N_STATE,
@@ -25,6 +27,7 @@ from rrrobot.momentum.kernels import (
     VERTICAL,
     step,
 )
+from rrrobot.robot import Robot
 from rrrobot.surfaces import Sphere
 
 ROWS_PER_STEP = NODES.size - 1
@@ -36,7 +39,7 @@ N_RESULT = 16
 RESULT = (
     "speed", "velocity_x", "velocity_y", "yaw_rate", "roll_amplitude", "pitch_amplitude",
     "yaw_amplitude", "roll_phase", "pitch_phase", "yaw_phase", "roll_mean", "pitch_mean",
-    "yaw_mean", "variation", "clearance", "status",
+    "yaw_mean", "variation", "normal_force", "status",
 )  # fmt: skip
 
 
@@ -47,7 +50,9 @@ class Setting(NamedTuple):
     parameters: Array
     """(N_PARAMETER,), as the kernels take them"""
     axis: int
-    """-1 for all axes, else the one that is free"""
+    """-1 for all axes, 0-2 for the one that is free, DECOUPLED for three models side by side"""
+    limit: float
+    """of the sine of the pitch, where a lane stops; above 1 for models without a singularity"""
 
 
 def setting_of(model: Model) -> Setting:
@@ -69,7 +74,23 @@ def setting_of(model: Model) -> Setting:
     travels = model.name != "yaw"
     numbers = (robot.mass, radius * rolls, radius * travels, gravity, *_damping(model.damping))
     axis = model.axes[0] if len(model.axes) == 1 else -1
-    return Setting(tree_of(robot), np.array(numbers), axis)
+    limit = float(np.sin(VERTICAL_PITCH)) if model.singular_at_vertical else 2.0
+    return Setting(tree_of(robot), np.array(numbers), axis, limit)
+
+
+def decoupled_setting(
+    robot: Robot,
+    roll: RollModel | None = None,
+    pitch: PitchModel | None = None,
+    yaw: YawModel | None = None,
+) -> Setting:
+    """The engine's terms of the single-axis models, recombined by rolling; the paper's dampings."""
+    models = (roll or RollModel(robot), pitch or PitchModel(robot), yaw or YawModel(robot))
+    losses = [_damping(m.damping)[m.axis] for m in models]
+    first = setting_of(models[0])
+    parameters = first.parameters.copy()
+    parameters[4:7] = losses
+    return Setting(first.tree, parameters, DECOUPLED, 2.0)
 
 
 def _damping(damping: Damping) -> tuple[float, float, float, float]:
@@ -142,12 +163,20 @@ class Gaits(NamedTuple):
 
 
 def steady_states(
-    setting: Setting, gaits: Gaits, *, cycles: int, counted: int, steps_per_cycle: int
+    setting: Setting,
+    gaits: Gaits,
+    *,
+    cycles: int,
+    counted: int,
+    steps_per_cycle: int,
+    yaw_amplitude: Array | None = None,
 ) -> Array:
     """Steady states of many gaits from an upright impulsive start (n, N_RESULT).
 
-    The columns are `RESULT`; those of a lane that stopped are NaN, its status says why. Holds no
-    interpreter lock while it computes, so chunks may run on threads.
+    The columns are `RESULT`, "normal_force" the least of the last cycle [N] (NaN for decoupled
+    models); those of a lane that stopped or lifts off are NaN, its status says why. A lane that
+    comes to the vertical only between two steps is not noticed. Holds no interpreter lock while
+    it computes, so chunks may run on threads.
 
     Args:
         setting: the model.
@@ -155,18 +184,35 @@ def steady_states(
         cycles: to simulate.
         counted: of these, at the end, over which means are taken; at least 2.
         steps_per_cycle: 10 give about 3e-7 of the speed on RRRobot.
+        yaw_amplitude: of the legs in the yaw model alone (n, legs), for decoupled models; the
+            gaits' own if None. The paper's Fig 20.
     """
     out = np.empty((len(gaits.offset), N_RESULT))
+    other = gaits.amplitude if yaw_amplitude is None else yaw_amplitude
     _steady_states(
-        setting.tree, setting.parameters, setting.axis, gaits.offset, gaits.amplitude,
-        gaits.phase, gaits.angular_frequency, cycles, counted, steps_per_cycle, NODES, out,
+        setting.tree, setting.parameters, setting.axis, setting.limit, gaits.offset,
+        gaits.amplitude, gaits.phase, gaits.angular_frequency, other, cycles, counted,
+        steps_per_cycle, NODES, out,
     )  # fmt: skip
     return out
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
 def _steady_states(  # type: ignore[no-untyped-def]
-    tree, parameters, axis, offset, amplitude, phase, omega, cycles, counted, n_steps, nodes, out
+    tree,
+    parameters,
+    axis,
+    limit,
+    offset,
+    amplitude,
+    phase,
+    omega,
+    other,
+    cycles,
+    counted,
+    n_steps,
+    nodes,
+    out,
 ):
     n, legs = offset.shape
     rows = n_steps * ROWS_PER_STEP + 1
@@ -183,47 +229,140 @@ def _steady_states(  # type: ignore[no-untyped-def]
             g = min(first + i, n - 1)
             period = 2.0 * np.pi / omega[g]
             h[i] = period / n_steps
-            for r in range(rows):
-                at = (r // ROWS_PER_STEP + nodes[r % ROWS_PER_STEP]) * h[i]
-                for leg in range(legs):
-                    turn = omega[g] * at + phase[g, leg]
-                    angle[r, leg] = offset[g, leg] + amplitude[g, leg] * np.sin(turn)
-                    rate[r, leg] = amplitude[g, leg] * omega[g] * np.cos(turn)
-            fill(tree, angle, rate, column)
+            _tabulate(
+                tree, h[i], offset[g], amplitude[g], phase[g], omega[g], nodes, angle, rate, column
+            )
             for r in range(rows):
                 for c in range(N_COEFFICIENTS):
                     table[r, c * LANES + i] = column[r, c]
+            if axis == DECOUPLED and np.any(other[g] != amplitude[g]):
+                _tabulate(
+                    tree, h[i], offset[g], other[g], phase[g], omega[g], nodes, angle, rate, column
+                )
+                for r in range(rows):
+                    table[r, 5 * LANES + i] = column[r, 5]
+                    table[r, 14 * LANES + i] = column[r, 14]
         y[:] = 0.0
-        y[3 * LANES : 4 * LANES] = 1.0
-        _settle(y, table, par, axis, h, cycles, counted, n_steps, first, out)
+        if axis != DECOUPLED:
+            y[3 * LANES : 4 * LANES] = 1.0
+        _settle(y, table, par, axis, limit, h, cycles, counted, n_steps, first, out)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _settle(y, table, par, axis, h, cycles, counted, n_steps, first, out):  # type: ignore[no-untyped-def]
+def _tabulate(  # type: ignore[no-untyped-def]
+    tree, h, offset, amplitude, phase, omega, nodes, angle, rate, out
+):
+    """Coefficients of one gait over its period (rows, 15); angle and rate are scratch."""
+    for r in range(out.shape[0]):
+        at = (r // ROWS_PER_STEP + nodes[r % ROWS_PER_STEP]) * h
+        for leg in range(offset.size):
+            turn = omega * at + phase[leg]
+            angle[r, leg] = offset[leg] + amplitude[leg] * np.sin(turn)
+            rate[r, leg] = amplitude[leg] * omega * np.cos(turn)
+    fill(tree, angle, rate, out)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _settle(  # type: ignore[no-untyped-def]
+    y, table, par, axis, limit, h, cycles, counted, n_steps, first, out
+):
     """Simulate a block of lanes and write its steady states."""
     slopes, total = np.zeros((N_STAGES, BLOCK)), np.zeros(BLOCK)
     work, areas = np.zeros(BLOCK), np.zeros(3 * LANES)
     means = np.zeros((counted, 3 * LANES))
     status = np.zeros(LANES, dtype=np.int64)
     sums = np.zeros((counted, n_steps, 3, LANES))
-    limit = np.sin(np.deg2rad(89.5))
+    before, lift = np.zeros(BLOCK), np.zeros((n_steps, LANES))
+    sides = np.zeros((2, LANES))
+    sides[1] = 1.0
     for cycle in range(cycles):
         areas[:] = 0.0
         count = cycle - (cycles - counted)
         for n in range(n_steps):
             if count >= 0:
-                _angles(y, sums[count, n])
+                _angles(y, axis, sums[count, n])
+                before[:] = y
             step(y, table, n * ROWS_PER_STEP, h, par, axis, slopes, total, work, areas)
+            if count == counted - 1:
+                _vertical_momentum(before, slopes[0], table[n * ROWS_PER_STEP], lift[n])
             for i in range(LANES):
-                sine = _sine_pitch(y, i)
-                if status[i] == OK and not abs(sine) <= limit:
-                    status[i] = VERTICAL if abs(sine) > limit else NOT_FINITE
+                if status[i] == OK:
+                    status[i] = _check(y, i, axis, limit, sides)
         if count >= 0:
             for s in range(3):
                 for i in range(LANES):
                     means[count, s * LANES + i] = areas[s * LANES + i] / (n_steps * h[i])
     for i in range(min(LANES, out.shape[0] - first)):
-        _summarise(means, sums, h[i] * n_steps, status[i], i, out[first + i])
+        row = out[first + i]
+        period = h[i] * n_steps
+        _summarise(means, sums, period, status[i], i, row)
+        if status[i] == OK and axis != DECOUPLED:
+            row[14] = par[i] * par[3 * LANES + i] + _least_rate(lift[:, i], period)
+            # Only a rolling contact can lift off: a pivot also pulls.
+            if par[LANES + i] > 0.0 and row[14] <= 0.0:
+                row[:15] = np.nan
+                row[15] = LIFT_OFF
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _vertical_momentum(y, k, c, out):  # type: ignore[no-untyped-def]
+    """z (w x mc + p_rel) of every lane, from the rates k of the quaternion."""
+    for i in range(LANES):
+        qx, qy = y[i], y[LANES + i]
+        qz, qw = y[2 * LANES + i], y[3 * LANES + i]
+        kx, ky, kz, kw = k[i], k[LANES + i], k[2 * LANES + i], k[3 * LANES + i]
+        scale = 2.0 / (qx * qx + qy * qy + qz * qz + qw * qw)
+        w0 = scale * (qw * kx - kw * qx - (qy * kz - qz * ky))
+        w1 = scale * (qw * ky - kw * qy - (qz * kx - qx * kz))
+        w2 = scale * (qw * kz - kw * qz - (qx * ky - qy * kx))
+        m0, m1, m2 = c[i], c[LANES + i], c[2 * LANES + i]
+        out[i] = (
+            scale * (qx * qz - qw * qy) * (w1 * m2 - w2 * m1 + c[9 * LANES + i])
+            + scale * (qy * qz + qw * qx) * (w2 * m0 - w0 * m2 + c[10 * LANES + i])
+            + (1.0 - scale * (qx * qx + qy * qy)) * (w0 * m1 - w1 * m0 + c[11 * LANES + i])
+        )
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _least_rate(values, period):  # type: ignore[no-untyped-def]
+    """Least time derivative of a periodic quantity, by its trigonometric interpolation."""
+    n = values.size
+    half = (n + 1) // 2
+    sine, cosine = np.zeros(half), np.zeros(half)
+    for j in range(1, half):
+        scale = 2.0 / n * j * 2.0 * np.pi / period
+        for k in range(n):
+            turn = 2.0 * np.pi * j * k / n
+            sine[j] += scale * values[k] * np.sin(turn)
+            cosine[j] += scale * values[k] * np.cos(turn)
+    least = np.inf
+    for m in range(4 * n):
+        rate = 0.0
+        for j in range(1, half):
+            turn = 0.5 * np.pi * j * m / n
+            rate += sine[j] * np.cos(turn) - cosine[j] * np.sin(turn)
+        least = min(least, rate)
+    return least
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _check(y, i, axis, limit, sides):  # type: ignore[no-untyped-def]
+    """Status of lane i after a step; sides holds (sin roll, cos roll) cos pitch of the step before.
+
+    A step that leaps over the vertical turns the roll by half a turn.
+    """
+    if axis == DECOUPLED:
+        return OK if np.isfinite(y[i] + y[LANES + i] + y[9 * LANES + i]) else NOT_FINITE
+    sine = _sine_pitch(y, i)
+    if not abs(sine) <= 2.0:
+        return NOT_FINITE
+    qx, qy = y[i], y[LANES + i]
+    qz, qw = y[2 * LANES + i], y[3 * LANES + i]
+    a = 2.0 * (qw * qx + qy * qz)
+    b = qw * qw - qx * qx - qy * qy + qz * qz
+    over = a * sides[0, i] + b * sides[1, i] < 0.0
+    sides[0, i], sides[1, i] = a, b
+    return VERTICAL if limit < 1.0 and (over or abs(sine) > limit) else OK
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -234,9 +373,12 @@ def _sine_pitch(y, i):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _angles(y, out):  # type: ignore[no-untyped-def]
+def _angles(y, axis, out):  # type: ignore[no-untyped-def]
     """Roll, pitch and yaw of every lane (3, LANES)."""
     for i in range(LANES):
+        if axis == DECOUPLED:
+            out[0, i], out[1, i], out[2, i] = y[i], y[LANES + i], y[9 * LANES + i]
+            continue
         qx, qy = y[i], y[LANES + i]
         qz, qw = y[2 * LANES + i], y[3 * LANES + i]
         out[0, i] = np.arctan2(2.0 * (qw * qx + qy * qz), qw * qw - qx * qx - qy * qy + qz * qz)
@@ -272,14 +414,15 @@ def _summarise(means, angles, period, status, i, out):  # type: ignore[no-untype
     for a in range(3):
         drift = out[3] if a == 2 else 0.0
         sine, cosine, mean = 0.0, 0.0, 0.0
-        for k in range(counted):
-            for n in range(n_steps):
-                turn = 2.0 * np.pi * n / n_steps
+        for n in range(n_steps):
+            whole = 0.0
+            for k in range(counted):
                 late = (k - 0.5 * counted + n / n_steps) * period
-                value = angles[k, n, a, i] - drift * late
-                sine += np.sin(turn) * value
-                cosine += np.cos(turn) * value
-                mean += value
+                whole += angles[k, n, a, i] - drift * late
+            turn = 2.0 * np.pi * n / n_steps
+            sine += np.sin(turn) * whole
+            cosine += np.cos(turn) * whole
+            mean += whole
         scale = 2.0 / (counted * n_steps)
         out[4 + a] = scale * np.hypot(sine, cosine)
         out[7 + a] = np.arctan2(cosine, sine)

@@ -1,8 +1,8 @@
 """The right-hand side of the contact momentum, and DOP853 over lanes of gaits, in Numba.
 
-State of a lane: quaternion (x, y, z, w) of R_world_body, momentum K about the contact or the pivot in
-the body frame, contact point (x, y), yaw. With s = r z_body the vector from the pivot to the centre
-(r = 0 when pivoted), v = w x s, and the coefficients mc, I, p_rel, L_rel of `coefficients.py`,
+State of a lane: quaternion (x, y, z, w) of R_world_body, momentum K about the contact or the pivot
+in the body frame, contact point (x, y), yaw. With s = r z_body the vector from the pivot to the
+centre (r = 0 when pivoted), v = w x s, and mc, I, p_rel, L_rel of `coefficients.py`,
 
     K     = I_P w + L_rel + s x p_rel
     p     = M v + w x mc + p_rel
@@ -34,10 +34,11 @@ NODES = np.unique(DOP853.C[:N_STAGES])
 """Distinct instants of the stages within a step, from 0 to 1; the last is the next step's first."""
 _NODE = np.searchsorted(NODES, DOP853.C[:N_STAGES])
 
-OK, VERTICAL, NOT_FINITE = 0, 1, 2
-"""Why a lane stopped: nothing, a pitch of +-90 degrees, a number that is not finite."""
-
-_SIN_VERTICAL = np.sin(np.deg2rad(89.5))
+DECOUPLED = 3
+"""The `axis` of three single-axis models that share a path."""
+OK, VERTICAL, NOT_FINITE, LIFT_OFF = 0, 1, 2, 3
+"""Why a lane has no steady state: it has one; a pitch of +-90 degrees; a number that is not finite;
+the settled motion would lift off the ground."""
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz", "arcp"})
@@ -171,6 +172,44 @@ def _axis_rates(y, c, par, k, axis):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz", "arcp"})
+def _decoupled_rates(y, c, par, k):  # type: ignore[no-untyped-def]
+    """k = dy/dt for every lane of three single-axis models that share a path.
+
+    Their state is (roll, pitch, -, -, K of each, x, y, yaw): the roll and pitch models roll, the
+    yaw model is pivoted without gravity, and eqs (2)-(3) move the contact point. Entries 5 and 14
+    of the coefficients are the yaw model's own.
+    """
+    for i in range(LANES):
+        roll, pitch, yaw = y[i], y[LANES + i], y[9 * LANES + i]
+        sr, cr, sp, cp = np.sin(roll), np.cos(roll), np.sin(pitch), np.cos(pitch)
+        sy, cy = np.sin(yaw), np.cos(yaw)
+        m0, m1, m2 = c[i], c[LANES + i], c[2 * LANES + i]
+        p0, p1, p2 = c[9 * LANES + i], c[10 * LANES + i], c[11 * LANES + i]
+        mass, r, g = par[i], par[LANES + i], par[3 * LANES + i]
+        # Roll: z_body = (0, sr, cr), s = r z_body.
+        s1, s2 = r * sr, r * cr
+        inertia = c[3 * LANES + i] + 2.0 * (m1 * s1 + m2 * s2) + mass * r * r
+        w0 = (y[4 * LANES + i] - c[12 * LANES + i] - (s1 * p2 - s2 * p1)) / inertia
+        v1, v2 = -w0 * s2, w0 * s1
+        f0 = -g * (m1 * cr - m2 * sr) - par[4 * LANES + i] * w0
+        f0 -= v1 * (p2 + mass * v2 + w0 * m1) - v2 * (p1 + mass * v1 - w0 * m2)
+        # Pitch: z_body = (-sp, 0, cp).
+        s0, s2 = -r * sp, r * cp
+        inertia = c[4 * LANES + i] + 2.0 * (m0 * s0 + m2 * s2) + mass * r * r
+        w1 = (y[5 * LANES + i] - c[13 * LANES + i] - (s2 * p0 - s0 * p2)) / inertia
+        v0, v2 = w1 * s2, -w1 * s0
+        f1 = -g * (-m2 * sp - m0 * cp) - par[5 * LANES + i] * w1
+        f1 -= v2 * (p0 + mass * v0 + w1 * m2) - v0 * (p2 + mass * v2 - w1 * m0)
+        w2 = (y[6 * LANES + i] - c[14 * LANES + i]) / c[5 * LANES + i]
+        k[i], k[LANES + i], k[2 * LANES + i], k[3 * LANES + i] = w0, w1, 0.0, 0.0
+        k[4 * LANES + i], k[5 * LANES + i] = f0, f1
+        k[6 * LANES + i] = -par[6 * LANES + i] * w2
+        k[7 * LANES + i] = r * (cp * sy * w0 + cy * w1)
+        k[8 * LANES + i] = r * (sy * w1 - cp * cy * w0)
+        k[9 * LANES + i] = w2
+
+
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz", "arcp"})
 def _add_slopes(slopes, weights, count, total):  # type: ignore[no-untyped-def]
     """total = sum of weights[j] slopes[j] over j < count, for every lane."""
     for e in range(BLOCK):
@@ -200,7 +239,7 @@ def step(y, table, at, h, par, axis, slopes, total, work, areas):  # type: ignor
         table: coefficients (nodes, 15 LANES), `at` the row where this step begins.
         h: step of each lane (LANES,) [s].
         par: parameters (N_PARAMETER LANES,).
-        axis: -1 all axes; 0-2 that body axis only.
+        axis: -1 all axes; 0-2 that body axis only; 3 the three single-axis models.
         slopes, total, work: scratch (N_STAGES, BLOCK), (BLOCK,), (BLOCK,).
     """
     for stage in range(N_STAGES):
@@ -214,7 +253,9 @@ def step(y, table, at, h, par, axis, slopes, total, work, areas):  # type: ignor
         row = table[at + _NODE[stage]]
         if axis < 0:
             _rates(work, row, par, slopes[stage])
-        else:
+        elif axis < DECOUPLED:
             _axis_rates(work, row, par, slopes[stage], axis)
+        else:
+            _decoupled_rates(work, row, par, slopes[stage])
     _add_slopes(slopes, _B, N_STAGES, total)
     _advance(y, total, h, y)

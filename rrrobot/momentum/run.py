@@ -1,4 +1,4 @@
-"""One simulation by the momentum engine: prescribed legs, periodic or not, tabulated along the run."""
+"""One simulation by the momentum engine: prescribed legs, periodic or not, tabulated as it runs."""
 
 from __future__ import annotations
 
@@ -52,8 +52,11 @@ def run(
             marks = np.cumsum(pieces[filled - 1 : last - 1])
             history = _march(setting, model, gait, lane, times[filled - 1 : last], marks)
             bad = np.flatnonzero(~np.all(np.isfinite(history), axis=1))
+            failure = None
             if bad.size:
-                stop = "the integrator failed: the state is not finite"
+                failure = (
+                    "the state is not finite (the pitch came to +-90 degrees, or the step is long)"
+                )
                 marks = marks[marks < bad[0]]
             for at in marks:
                 states[filled] = _model_state(model, setting, gait, history[at], times[filled])
@@ -62,6 +65,7 @@ def run(
                 stop = observer.stepped(states[filled - 1]) or stop
                 if stop is not None:
                     break
+            stop = stop or failure
             lane = history[-1]
             steps += int(marks[-1]) if marks.size else 0
             if progress is not None:
@@ -78,7 +82,7 @@ def _march(
     setting: Setting, model: Model, gait: Gait, lane: Array, times: Array, marks: Array
 ) -> Array:
     """States of the one lane after each step over the sample intervals (steps + 1, N_STATE)."""
-    counts = np.diff(marks, prepend=0)
+    counts = np.diff(marks, prepend=0).astype(int)
     lengths = np.repeat(np.diff(times) / counts, counts)
     rows = [
         stage_times(start, (end - start) / n, n)[: n * ROWS_PER_STEP]
@@ -131,10 +135,10 @@ def _model_state(model: Model, setting: Setting, gait: Gait, lane: Array, time: 
     inertia, own = _inertia(setting, c, up)
     if setting.axis >= 0:
         a = setting.axis
-        omega = np.zeros(3)
+        omega: Array = np.zeros(3)
         omega[a] = (lane[4 + a] - own[a]) / inertia[a, a]
     else:
-        omega = np.linalg.solve(inertia, lane[4:7] - own)
+        omega = np.asarray(np.linalg.solve(inertia, lane[4:7] - own))
     if model.name == "full":
         return np.concatenate((quaternion, lane[7:9], omega))
     euler = euler_from_quaternion(quaternion)

@@ -1,0 +1,293 @@
+"""Populations of gaits through the momentum engine: motion, forces and torques of each.
+
+A gait is simulated from an upright impulsive start until `settle_time` has passed, then `COUNTED`
+cycles are averaged. Forces are evaluated at every step of the last one, and trigonometric
+interpolation gives their extremes. What a gait gives does not depend on the others beside it.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from rrrobot.checks import Array
+from rrrobot.models.base import Model
+from rrrobot.momentum.batch import ROWS_PER_STEP, setting_of
+from rrrobot.momentum.coefficients import N_COEFFICIENTS, Tree, fill
+from rrrobot.momentum.kernels import (
+    BLOCK,
+    LANES,
+    N_PARAMETER,
+    N_STAGES,
+    N_STATE,
+    NODES,
+    NOT_FINITE,
+    OK,
+    VERTICAL,
+    step,
+)
+from rrrobot.optimise_forces import Bodies, bodies, damping_moment, pivot_inertia, solve, sweep
+from rrrobot.optimise_space import COLUMNS, Population
+
+COUNTED = 4
+"""Cycles that are averaged."""
+_STEPS = np.array((12, 18, 24, 36, 48, 72, 96, 144, 192))
+"""Steps of a cycle: enough for the harmonics, and for none to be longer than this [s]:"""
+_LONGEST_STEP = 0.09
+_FINER = 4
+"""Points of the interpolation for each step."""
+
+_INDEX = {name: i for i, name in enumerate(COLUMNS)}
+_SPEED, _YAW_RATE, _VARIATION = (_INDEX[k] for k in ("speed", "yaw_rate", "variation"))
+_PITCH, _STATUS, _CLEARANCE = (_INDEX[k] for k in ("pitch", "status", "clearance"))
+_NORMAL, _FRICTION, _POWER = (_INDEX[k] for k in ("normal_force", "friction", "power"))
+_RMS, _PEAK = _INDEX["rms_torque"], _INDEX["peak_torque"]
+
+# Rows of a lane's signals: the normal force, three components of the friction force, the pitch,
+# then for each leg its torque and rate, then the height of each body's mass centre.
+_TORQUE = 5
+_VERTICAL_PITCH = np.deg2rad(89.5)
+
+
+class Engine(NamedTuple):
+    """A model, ready for populations."""
+
+    tree: Tree
+    parameters: Array
+    leg_damping: float
+    settle_time: float
+
+    def __call__(self, gaits: Population) -> Array:
+        """What each gait gives (n, len(COLUMNS)); NaN, with a status, of those that stopped."""
+        period = 2 * np.pi / gaits.angular_frequency
+        wanted = np.maximum(period / _LONGEST_STEP, 6 + 6 * gaits.sine.shape[1])
+        steps = _STEPS[np.minimum(np.searchsorted(_STEPS, wanted), _STEPS.size - 1)]
+        cycles = np.ceil(self.settle_time / period - 1e-9).astype(np.int64) + COUNTED
+        order = np.lexsort((cycles, steps))
+        out = np.full((len(period), len(COLUMNS)), np.nan)
+        scratch = bodies(len(self.tree.mass))
+        for first, last in _blocks(steps[order]):
+            lanes = order[first:last]
+            n_steps = int(steps[lanes[0]])
+            out[lanes] = _block(
+                self.tree, self.parameters, self.leg_damping, gaits.offset[lanes],
+                gaits.sine[lanes], gaits.cosine[lanes], gaits.angular_frequency[lanes],
+                cycles[lanes], n_steps, NODES, _interpolation(n_steps), scratch,
+            )  # fmt: skip
+        return out
+
+
+def engine_of(model: Model, settle_time: float) -> Engine:
+    """The engine for a model.
+
+    Raises:
+        ModelError: the momentum engine cannot run it.
+    """
+    setting = setting_of(model)
+    return Engine(setting.tree, setting.parameters, model.damping.leg_coefficient, settle_time)
+
+
+def _blocks(steps: NDArray[np.int64]) -> list[tuple[int, int]]:
+    """Slices of at most LANES lanes with equal step counts, of the sorted counts."""
+    edges = [0, *(np.flatnonzero(np.diff(steps)) + 1).tolist(), len(steps)]
+    return [
+        (first, min(first + LANES, end))
+        for start, end in zip(edges, edges[1:], strict=False)
+        for first in range(start, end, LANES)
+    ]
+
+
+@cache
+def _interpolation(n: int) -> Array:
+    """Matrix (_FINER n, n) from n samples of a period to the trigonometric interpolant."""
+    spectrum = np.fft.rfft(np.eye(n), axis=0)
+    # Half of the Nyquist term stands at each end of the longer spectrum.
+    spectrum[-1] *= 0.5
+    return np.ascontiguousarray(_FINER * np.fft.irfft(spectrum, _FINER * n, axis=0))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _block(  # type: ignore[no-untyped-def]
+    tree, parameters, leg_damping, offset, sine, cosine, omega, cycles, n_steps, nodes, finer,
+    scratch,
+):  # fmt: skip
+    """Results (n, COLUMNS) of at most LANES gaits with equal step counts."""
+    n, n_legs = offset.shape
+    h, par = np.empty(LANES), np.empty(N_PARAMETER * LANES)
+    for i in range(LANES):
+        h[i] = 2.0 * np.pi / omega[min(i, n - 1)] / n_steps
+        for p in range(N_PARAMETER):
+            par[p * LANES + i] = parameters[p]
+    table = _tabulate(tree, offset, sine, cosine, h, n_steps, nodes)
+    means, pitch = np.zeros((n, COUNTED, 3)), np.zeros(n)
+    signals = np.empty((n, _TORQUE + 2 * n_legs + tree.mass.size, n_steps))
+    slopes, total = np.zeros((N_STAGES, BLOCK)), np.zeros(BLOCK)
+    work, areas = np.zeros(BLOCK), np.zeros(3 * LANES)
+    state, c, leg = np.empty(N_STATE), np.empty(N_COEFFICIENTS), np.empty((3, n_legs))
+    y = np.zeros(BLOCK)
+    y[3 * LANES : 4 * LANES] = 1.0
+    for cycle in range(cycles.max()):
+        areas[:] = 0.0
+        for k in range(n_steps):
+            at = k * ROWS_PER_STEP
+            for i in range(n):
+                if cycle == cycles[i] - 1:
+                    for s in range(N_STATE):
+                        state[s] = y[s * LANES + i]
+                    for s in range(N_COEFFICIENTS):
+                        c[s] = table[at, s * LANES + i]
+                    _legs(k * h[i], omega[i], offset[i], sine[i], cosine[i], leg)
+                    _loads(tree, state, c, leg, parameters, scratch, signals[i, :, k])
+            step(y, table, at, h, par, -1, slopes, total, work, areas)
+            for i in range(n):
+                if cycle < cycles[i]:
+                    size = _pitch(y, i)
+                    if not size < pitch[i]:
+                        pitch[i] = size
+        for i in range(n):
+            count = cycle - (cycles[i] - COUNTED)
+            if 0 <= count < COUNTED:
+                for s in range(3):
+                    means[i, count, s] = areas[s * LANES + i] / (n_steps * h[i])
+    out = np.full((n, len(COLUMNS)), np.nan)
+    for i in range(n):
+        out[i, _PITCH], out[i, _STATUS] = pitch[i], OK
+        if pitch[i] < _VERTICAL_PITCH:
+            _drift(means[i], h[i] * n_steps, out[i])
+            _forces(finer @ signals[i].T, n_legs, leg_damping, out[i])
+        else:
+            out[i, _STATUS] = VERTICAL if pitch[i] >= _VERTICAL_PITCH else NOT_FINITE
+    return out
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _legs(t, omega, offset, sine, cosine, leg):  # type: ignore[no-untyped-def]
+    """Angles, rates and accelerations (3, legs) of a gait at a time."""
+    leg[0], leg[1:] = offset, 0.0
+    for j in range(sine.shape[0]):
+        w = (j + 1) * omega
+        s, c = np.sin(w * t), np.cos(w * t)
+        for k in range(offset.size):
+            swing = sine[j, k] * s + cosine[j, k] * c
+            leg[0, k] += swing
+            leg[1, k] += w * (sine[j, k] * c - cosine[j, k] * s)
+            leg[2, k] -= w * w * swing
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _tabulate(tree, offset, sine, cosine, h, n_steps, nodes):  # type: ignore[no-untyped-def]
+    """Coefficients at the stage times of a period (rows, 15 LANES)."""
+    n, n_legs = offset.shape
+    rows = n_steps * ROWS_PER_STEP + 1
+    table, column = np.empty((rows, N_COEFFICIENTS * LANES)), np.empty((rows, N_COEFFICIENTS))
+    angle, rate, leg = np.empty((rows, n_legs)), np.empty((rows, n_legs)), np.empty((3, n_legs))
+    for i in range(LANES):
+        g = min(i, n - 1)
+        if i < n:
+            for r in range(rows):
+                at = (r // ROWS_PER_STEP + nodes[r % ROWS_PER_STEP]) * h[i]
+                _legs(at, 2.0 * np.pi / (n_steps * h[i]), offset[g], sine[g], cosine[g], leg)
+                angle[r], rate[r] = leg[0], leg[1]
+            fill(tree, angle, rate, column)
+        for r in range(rows):
+            for c in range(N_COEFFICIENTS):
+                table[r, c * LANES + i] = column[r, c]
+    return table
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _pitch(y, i):  # type: ignore[no-untyped-def]
+    """|pitch| of lane i [rad]."""
+    qx, qy, qz, qw = y[i], y[LANES + i], y[2 * LANES + i], y[3 * LANES + i]
+    sine = 2.0 * (qw * qy - qz * qx) / (qx * qx + qy * qy + qz * qz + qw * qw)
+    return np.arcsin(min(1.0, abs(sine))) if np.isfinite(sine) else np.nan
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _drift(means, period, row):  # type: ignore[no-untyped-def]
+    """Speed, yaw rate and variation from cycle means (COUNTED, 3), as `steady_state` has them."""
+    steps = COUNTED - 1
+    lengths = np.empty(steps)
+    for k in range(steps):
+        lengths[k] = np.hypot(means[k + 1, 0] - means[k, 0], means[k + 1, 1] - means[k, 1]) / period
+    speed = lengths.mean()
+    row[_SPEED] = speed
+    row[_YAW_RATE] = (means[steps, 2] - means[0, 2]) / (steps * period)
+    row[_VARIATION] = np.abs(lengths - speed).max() / max(speed, 1e-6 / period)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _forces(signals, n_legs, leg_damping, row):  # type: ignore[no-untyped-def]
+    """Extremes and means over the interpolated signals (points, rows) of a lane."""
+    points = len(signals)
+    normal, friction = np.inf, 0.0
+    square, power, peak = 0.0, 0.0, 0.0
+    for k in range(points):
+        x = signals[k]
+        normal = min(normal, x[0])
+        friction = max(friction, np.sqrt(x[1] * x[1] + x[2] * x[2] + x[3] * x[3]) / x[0])
+        row[_PITCH] = max(row[_PITCH], abs(x[4]))
+        for leg in range(n_legs):
+            rate = x[_TORQUE + n_legs + leg]
+            torque = x[_TORQUE + leg] + leg_damping * rate
+            square += torque * torque / points
+            power += abs(torque * rate) / points
+            peak = max(peak, abs(torque))
+    row[_NORMAL], row[_RMS], row[_POWER], row[_PEAK] = normal, np.sqrt(square), power, peak
+    # No friction would do where the ground does not push.
+    row[_FRICTION] = friction if normal > 0.0 else np.inf
+    row[_CLEARANCE] = signals[:, _TORQUE + 2 * n_legs + 1 :].min()
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _loads(tree, y, c, leg, parameters, b, out):  # type: ignore[no-untyped-def]
+    """Signals of one state y (N_STATE,) with coefficients c (15,) and legs (3, legs)."""
+    scale = 1.0 / (y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3])
+    up, s, w, alpha = np.empty(3), np.empty(3), np.empty(3), np.zeros(3)
+    up[0] = 2.0 * scale * (y[0] * y[2] - y[3] * y[1])
+    up[1] = 2.0 * scale * (y[1] * y[2] + y[3] * y[0])
+    up[2] = 1.0 - 2.0 * scale * (y[0] * y[0] + y[1] * y[1])
+    inertia, right, force, moment = np.empty(6), np.empty(3), b.force[0], b.moment[0]
+    for a in range(3):
+        s[a] = parameters[1] * up[a]
+    pivot_inertia(c, parameters[0], s, inertia)
+    for a in range(3):
+        d, e = (a + 1) % 3, (a + 2) % 3
+        right[a] = y[4 + a] - c[12 + a] - (s[d] * c[9 + e] - s[e] * c[9 + d])
+    solve(inertia, right, w)
+    sweep(tree, leg, w, alpha, s, up, parameters[3], b)
+    damping_moment(w, up, parameters, right)
+    for a in range(3):
+        d, e = (a + 1) % 3, (a + 2) % 3
+        right[a] -= moment[a] + s[d] * force[e] - s[e] * force[d]
+    solve(inertia, right, alpha)
+    sweep(tree, leg, w, alpha, s, up, parameters[3], b)
+    out[0] = force[0] * up[0] + force[1] * up[1] + force[2] * up[2]
+    for a in range(3):
+        out[1 + a] = force[a] - out[0] * up[a]
+    out[4] = np.arcsin(min(1.0, max(-1.0, -up[0])))
+    n_legs = leg.shape[1]
+    for i in range(tree.mass.size):
+        held = i > 0 and tree.mass[i] > 0.0
+        out[_TORQUE + 2 * n_legs + i] = parameters[2] + b.height[i] if held else np.inf
+        if i > 0:
+            k = tree.leg[i]
+            out[_TORQUE + k], out[_TORQUE + n_legs + k] = _motor(tree, i, b), leg[1, k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _motor(tree, i, b):  # type: ignore[no-untyped-def]
+    """Torque, or force of a prismatic joint, that moves body i and all that it carries."""
+    torque = 0.0
+    for a in range(3):
+        d, e = (a + 1) % 3, (a + 2) % 3
+        if tree.prismatic[i]:
+            torque += b.axis[i, a] * b.force[i, a]
+        else:
+            own = b.origin[i, d] * b.force[i, e] - b.origin[i, e] * b.force[i, d]
+            torque += b.axis[i, a] * (b.moment[i, a] - own)
+    return torque

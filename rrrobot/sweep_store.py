@@ -1,0 +1,318 @@
+"""The results of a sweep: a labelled dataset, and a netCDF file that is readable at every instant.
+
+The file is classic netCDF with 64-bit offsets, which is laid out once, whole, and then never grows:
+first every gait is marked "not computed", then each chunk of results is written into its place,
+values before marks. So whatever stops the process leaves a valid file with exactly the chunks that
+were finished, and a disk that is too small is noticed at the start.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rrrobot.checks import Array
+from rrrobot.errors import OutputError
+from rrrobot.files import check_writable, write_whole
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+NOT_COMPUTED = -1
+"""Status of a gait that a sweep has not reached."""
+STATUS = {
+    NOT_COMPUTED: "not_computed",
+    0: "steady_state",
+    1: "pitch_reached_90_degrees",
+    2: "value_not_finite",
+}
+"""What the numbers of the variable `status` mean; results are NaN unless it is 0."""
+
+VARIABLES = {
+    "speed": ("m/s", "speed v of the contact point from cycle to cycle"),
+    "velocity_x": ("m/s", "velocity along the body's mean forward axis"),
+    "velocity_y": ("m/s", "velocity along the leg axis, positive to the left"),
+    "yaw_rate": ("rad/s", "yaw rate alpha from cycle to cycle"),
+    "curvature": ("1/m", "curvature K = alpha / v of the path"),
+    "roll_amplitude": ("rad", "roll amplitude"),
+    "pitch_amplitude": ("rad", "pitch amplitude"),
+    "yaw_amplitude": ("rad", "yaw amplitude"),
+    "roll_phase": ("rad", "roll phase"),
+    "pitch_phase": ("rad", "pitch phase"),
+    "yaw_phase": ("rad", "yaw phase"),
+    "pitch_yaw_phase_difference": ("rad", "pitch phase less yaw phase"),
+    "roll_mean": ("rad", "mean roll"),
+    "pitch_mean": ("rad", "mean pitch"),
+    "yaw_mean": ("rad", "mean yaw"),
+    "variation": ("1", "largest deviation of one cycle's step from the mean step, over that"),
+    "clearance": ("m", "least height of the legs' masses over the swing, body upright"),
+}
+"""Unit and long name of each variable; amplitudes and phases are of the first harmonic."""
+
+_SIZES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 4, 6: 8}
+"""Bytes of the types of classic netCDF."""
+_BITS = ("rrrobot", "numpy", "numba", "pinocchio", "cpu")
+"""Of the versions, those that the last bits of a result depend on."""
+_SHOWN = 60
+
+
+class Layout(NamedTuple):
+    """Everything of a dataset but its results."""
+
+    sizes: dict[str, int]
+    """dimension -> size, in order"""
+    coords: dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
+    """name -> (dimensions, values, attributes)"""
+    attrs: dict[str, Any]
+    """numbers and JSON text"""
+
+    @property
+    def size(self) -> int:
+        """Number of gaits."""
+        return math.prod(self.sizes.values())
+
+    def dataset(self, columns: Mapping[str, NDArray[Any]]) -> xr.Dataset:
+        """The dataset of flat columns (size,), which are not copied."""
+        import xarray as xr
+
+        shape = tuple(self.sizes.values())
+        variables = {
+            name: (tuple(self.sizes), column.reshape(shape), _attributes(name))
+            for name, column in columns.items()
+        }
+        return xr.Dataset(variables, self.coords, self.attrs)
+
+    def empty(self, *, virtual: bool = False) -> dict[str, NDArray[Any]]:
+        """Columns of a sweep of which nothing is computed.
+
+        Args:
+            virtual: read-only columns that take no memory.
+        """
+        blank: dict[str, Any] = dict.fromkeys(VARIABLES, np.array(np.nan))
+        blank["status"] = np.array(NOT_COMPUTED, dtype=np.int8)
+        make = np.broadcast_to if virtual else lambda value, size: np.full(size, value)
+        return {name: make(value, self.size) for name, value in blank.items()}
+
+
+def _attributes(name: str) -> dict[str, Any]:
+    if name == "status":
+        return {
+            "long_name": "whether and why a gait was stopped",
+            "flag_values": np.array(list(STATUS), dtype=np.int8),
+            "flag_meanings": " ".join(STATUS.values()),
+        }
+    unit, long_name = VARIABLES[name]
+    return {"long_name": long_name, "units": unit}
+
+
+class ResultsFile:
+    """The netCDF file of one sweep.
+
+    Use it in a `with` statement.
+
+    Args:
+        path: ends in .nc; made if it does not exist.
+        layout: of the sweep.
+        resume: go on with an existing file; otherwise replace it.
+
+    Raises:
+        OutputError: no place to write, no space, or another sweep's file.
+    """
+
+    def __init__(self, path: str | Path, layout: Layout, *, resume: bool = True) -> None:
+        self.path = Path(path)
+        self.layout = layout
+        if self.path.suffix != ".nc":
+            raise OutputError(f"cannot write {str(path)!r}: a sweep is stored as netCDF, .nc.")
+        if resume and self.path.exists():
+            self._refuse_others()
+        else:
+            blank = layout.dataset(layout.empty(virtual=True))
+            content: Any = blank.to_netcdf(engine="scipy", format="NETCDF3_64BIT")
+            write_whole(self.path, content)
+        check_writable(self.path)
+        try:
+            self._stream: BinaryIO = self.path.open("r+b")
+            self._begin = _begins(self._stream)
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def __enter__(self) -> ResultsFile:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._stream.close()
+
+    def read_into(self, columns: Mapping[str, NDArray[Any]]) -> None:
+        """Fill columns with what the file holds."""
+        for name, column in columns.items():
+            kind = _on_disk(column)
+            self._stream.seek(self._begin[name])
+            column[:] = np.fromfile(self._stream, kind, column.size)
+
+    def write(self, first: int, columns: Mapping[str, NDArray[Any]]) -> None:
+        """Put a chunk's columns (n,) into the places first, first + 1, ...; status last.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
+        try:
+            for name, column in columns.items():
+                if name != "status":
+                    self._put(name, first, column)
+            self._flush()
+            self._put("status", first, columns["status"])
+            self._flush()
+        except OSError as error:
+            raise self._failure(error) from error
+
+    def _put(self, name: str, first: int, column: NDArray[Any]) -> None:
+        kind = _on_disk(column)
+        self._stream.seek(self._begin[name] + first * kind.itemsize)
+        self._stream.write(column.astype(kind).tobytes())
+
+    def _flush(self) -> None:
+        self._stream.flush()
+        os.fsync(self._stream.fileno())
+
+    def _failure(self, error: OSError) -> OutputError:
+        return OutputError(f"cannot write {str(self.path)!r}: {error.strerror or error}.")
+
+    def _refuse_others(self) -> None:
+        """Raise OutputError unless the file is of this sweep."""
+        import xarray as xr
+
+        shown = repr(str(self.path))
+        try:
+            with xr.open_dataset(self.path, engine="scipy") as found:
+                differ = list(_differences(found, self.layout))
+        except (OSError, ValueError, TypeError, KeyError, IndexError) as error:
+            raise OutputError(
+                f"{shown} is not the netCDF file of a sweep ({type(error).__name__}). Name another "
+                "file, or delete it."
+            ) from None
+        if differ:
+            more = f", and {len(differ) - 5} more" if len(differ) > 5 else ""
+            raise OutputError(
+                f"{shown} holds another sweep. It differs in {'; '.join(differ[:5])}{more}. Name "
+                "another file, or begin anew with resume=False (--no-resume)."
+            )
+
+
+def _on_disk(column: NDArray[Any]) -> np.dtype[Any]:
+    return column.dtype.newbyteorder(">")
+
+
+def _begins(stream: BinaryIO) -> dict[str, int]:
+    """Where the values of each variable begin in a classic netCDF file [bytes]."""
+
+    def number(size: int = 4) -> int:
+        return int.from_bytes(stream.read(size), "big")
+
+    def skip(size: int) -> None:
+        stream.seek(size + -size % 4, os.SEEK_CUR)
+
+    def name() -> str:
+        size = number()
+        text = stream.read(size).decode()
+        stream.seek(-size % 4, os.SEEK_CUR)
+        return text
+
+    def skip_attributes() -> None:
+        number()
+        for _ in range(number()):
+            name()
+            skip(_SIZES[number()] * number())
+
+    stream.seek(8)
+    number()
+    for _ in range(number()):
+        name(), number()
+    skip_attributes()
+    number()
+    found = {}
+    for _ in range(number()):
+        variable = name()
+        skip(4 * number())
+        skip_attributes()
+        skip(8)
+        found[variable] = number(8)
+    return found
+
+
+def _differences(found: xr.Dataset, layout: Layout) -> Iterator[str]:
+    """How another file's sweep differs from this one, in words."""
+    ours = layout.dataset(layout.empty(virtual=True))
+    for name in layout.attrs:
+        if name not in ("title", "Conventions"):
+            there, here = (_plain(ds.attrs.get(name)) for ds in (found, ours))
+            yield from _unequal(name, there, here)
+    sizes = {str(name): size for name, size in found.sizes.items()}
+    for dim in sorted(sizes.keys() | layout.sizes.keys()):
+        pair = sizes.get(dim, 1), layout.sizes.get(dim, 1)
+        if pair[0] != pair[1]:
+            yield f"the number of values of {dim} ({pair[0]} there, {pair[1]} here)"
+    for coord in sorted(map(str, found.coords.keys() | ours.coords.keys())):
+        if (coord in found.coords) != (coord in ours.coords):
+            yield f"{coord} (only {'there' if coord in found.coords else 'here'})"
+            continue
+        values = [np.asarray(ds[coord]) for ds in (found, ours)]
+        if values[0].shape == values[1].shape and not np.array_equal(values[0], values[1]):
+            there, here = (_shown(value.tolist()) for value in values)
+            yield f"{coord} ({there} there, {here} here)"
+    if missing := sorted(map(str, ours.data_vars.keys() - found.data_vars.keys())):
+        yield f"its variables: it has no {', '.join(missing)}"
+
+
+def _unequal(name: str, there: Any, here: Any) -> Iterator[str]:
+    if isinstance(there, dict) and isinstance(here, dict):
+        for key in _BITS if name == "versions" else sorted(there.keys() | here.keys()):
+            yield from _unequal(f"{name}.{key}", there.get(key), here.get(key))
+    elif there != here:
+        yield f"{name} ({_shown(there)} there, {_shown(here)} here)"
+
+
+def _plain(value: Any) -> Any:
+    """An attribute's value: JSON text as what it stands for."""
+    if isinstance(value, str):
+        try:
+            return json.loads(value)
+        except ValueError:
+            return value
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def _shown(value: Any) -> str:
+    text = "nothing" if value is None else str(value)
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}..."
+
+
+def pending(status: NDArray[np.int8], block: int, chunk: int) -> Iterator[tuple[int, int]]:
+    """Runs first, ..., last - 1 of gaits that are not computed.
+
+    Args:
+        status: (n,).
+        block: no run reaches over a multiple of it.
+        chunk: longest run.
+    """
+    todo = np.flatnonzero(np.diff(np.pad(status == NOT_COMPUTED, 1).astype(np.int8)))
+    for first, last in todo.reshape(-1, 2).tolist():
+        while first < last:
+            end = min(last, first + chunk, (first // block + 1) * block)
+            yield first, end
+            first = end
+
+
+def curvature(speed: Array, yaw_rate: Array) -> Array:
+    """K = alpha / v [1/m]; infinite for a turn on the spot, zero if nothing moves."""
+    with np.errstate(divide="ignore", invalid="ignore"):
+        moving = yaw_rate / speed
+    still = np.where(np.abs(yaw_rate) > 1e-12, np.copysign(np.inf, yaw_rate), 0.0 * yaw_rate)
+    return np.where(speed > 1e-12, moving, still)
