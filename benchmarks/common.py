@@ -230,6 +230,11 @@ def _busy() -> float | None:
     return (user + nice + system + irq + softirq + steal) / os.sysconf("SC_CLK_TCK")
 
 
+def _own() -> float:
+    """Processor time of this process and of its finished children [s]."""
+    return sum(os.times()[:4])
+
+
 @contextmanager
 def recorded(name: str, *packages: str) -> Iterator[dict[str, Any]]:
     """A record to fill, written to benchmarks/results when the measurements have succeeded.
@@ -237,11 +242,10 @@ def recorded(name: str, *packages: str) -> Iterator[dict[str, Any]]:
     It holds date, versions, processor, load averages and how much of the cores other processes
     took meanwhile.
     """
-    load, start, busy = os.getloadavg(), time.perf_counter(), _busy()
+    load, start, busy, own = os.getloadavg(), time.perf_counter(), _busy(), _own()
     record: dict[str, Any] = {"results": {}}
     yield record["results"]
-    seconds, times, after = time.perf_counter() - start, os.times(), _busy()
-    own = times.user + times.system + times.children_user + times.children_system
+    seconds, after, own = time.perf_counter() - start, _busy(), _own() - own
     others = None if busy is None or after is None else max(0.0, (after - busy - own) / seconds)
     record["machine"] = {
         "date": datetime.now(UTC).date().isoformat(),

@@ -129,7 +129,7 @@ def build_damping(options: Options) -> Damping | None:
 
 
 def build_run(options: Options) -> Options:
-    """duration, sample_interval, step and rtol as `simulate` takes them.
+    """duration, sample_interval, step, rtol and method as `simulate` takes them.
 
     Raises:
         click.UsageError: both --step and --rtol.
@@ -138,7 +138,7 @@ def build_run(options: Options) -> Options:
     if options["step"] is not None and options["rtol"] is not None:
         raise click.UsageError("--step is a fixed step, --rtol rules an adaptive one: give one.")
     finite("duration", options["duration"], "s", above=0)
-    keys = ("duration", "sample_interval", "step", "rtol")
+    keys = ("duration", "sample_interval", "step", "rtol", "method")
     return {key: options[key] for key in keys if options[key] is not None}
 
 

@@ -96,6 +96,11 @@ run_options = option_group(
     ),
     click.option("--step", type=NUMBER, help="Fixed step of the integrator [s]."),
     click.option("--rtol", type=NUMBER, help="Relative tolerance of its adaptive step; 1e-10."),
+    click.option(
+        "--method",
+        type=click.Choice(("kkt", "momentum")),
+        help="kkt, the general form, unless given; momentum, faster, for gaits on level ground.",
+    ),
 )
 
 start_options = option_group(

@@ -127,6 +127,8 @@ def _simulate(
         raise click.UsageError("--start and --euler do not go with --model decoupled.")
     if not isinstance(drive, Gait):
         raise click.UsageError("--torque does not go with --model decoupled: it needs a gait.")
+    if "method" in settings:
+        raise click.UsageError("--method does not go with --model decoupled: it has its own.")
     axes: dict[str, Any] = {"roll": RollModel, "pitch": PitchModel, "yaw": YawModel}
     models = {axis: model(robot, **given) for axis, model in axes.items()}
     return decoupled(robot, drive, **models, **settings)

@@ -1,8 +1,9 @@
 """Maps of sweeps: the kinds of Figs 11, 12, 14 and 18-22 of the paper, for any robot.
 
 Each function takes results of `rrrobot.sweep` with two dimensions, such as offset and phase
-difference; take a slice of a larger sweep first, with `ds.sel(amplitude=0.3)`. Colours grow lighter
-with the value, and contours are labelled, so that a map reads the same in grey.
+difference; take a slice of a larger sweep first, with `ds.sel(amplitude=0.3)`. Colours grow darker
+with the value and contours are labelled, so that a map reads the same in grey; where a value is
+missing it is hatched.
 """
 
 from __future__ import annotations
@@ -24,12 +25,14 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLOURS = "cividis"
-"""From dark blue to light yellow, for every reader's eyes and for grey."""
+COLOURS, DARKEST = "YlGnBu", 0.72
+"""From light yellow to blue, no darker than black contours on it can bear."""
 SLOW = 2e-4
 """Speed below which a curvature is not drawn [m/s]."""
 SMALL = 1e-3
 """Amplitude below which a phase is not drawn [rad]."""
+_APART = 0.06
+"""Least distance of two contour labels, as a part of the axes."""
 _SHOWN = {"m/s": ("mm/s", 1000.0), "rad": ("deg", 180 / np.pi), "m": ("mm", 1000.0), "1": ("", 1.0)}
 """Unit of the data -> unit of a colour bar, and the factor."""
 _SYMBOLS = {"speed": "v", "yaw_rate": r"$\alpha$", "curvature": "K", "velocity_y": "v"}
@@ -45,7 +48,7 @@ def value_map(
     """A variable of a sweep over its two dimensions, with labelled contours.
 
     Args:
-        values: such as `ds.speed`; missing values stay white.
+        values: such as `ds.speed`.
         ax: where to draw; axes in a new figure if None.
         limits: of the colours, in the data's unit; the data's own if None.
         colour_bar: draw one.
@@ -70,8 +73,11 @@ def value_map(
     data = np.ma.masked_invalid(table.to_numpy())
     shading = "nearest" if data.mask.any() else "gouraud"
     image = ax.pcolormesh(
-        columns, rows, data, cmap=COLOURS, vmin=low, vmax=high, shading=shading, rasterized=True
+        columns, rows, data, cmap=_colours(), vmin=low, vmax=high, shading=shading, rasterized=True
     )
+    ax.patch.set(hatch="////", edgecolor=GREY, linewidth=0.0)
+    if values.attrs.get("units") == "rad":
+        _mask_jumps(data, 180.0)
     _contours(ax, columns, rows, data, (low, high))
     ax.set_xlim(columns.min(), columns.max())
     ax.set_ylim(rows.min(), rows.max())
@@ -249,6 +255,7 @@ def _scaled(
 
 
 def _contours(ax: Axes, x: Array, y: Array, data: Any, limits: tuple[float, float]) -> None:
+    from matplotlib.patheffects import withStroke
     from matplotlib.ticker import MaxNLocator
 
     levels = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10]).tick_values(*limits)
@@ -256,7 +263,31 @@ def _contours(ax: Axes, x: Array, y: Array, data: Any, limits: tuple[float, floa
         return
     thick = [1.6 if level == 0 else 0.8 for level in levels]
     lines = ax.contour(x, y, data, levels, colors=BLACK, linewidths=thick, negative_linestyles="--")
-    ax.clabel(lines, fontsize=FONT - 2, fmt=lambda level: f"{level + 0.0:g}")
+    labels = ax.clabel(lines, inline=False, fontsize=FONT - 2, fmt=lambda v: f"{v + 0.0:g}")
+    kept: list[Any] = []
+    for label in labels:
+        label.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
+        at = (ax.transData - ax.transAxes).transform(label.get_position())
+        if all(math.dist(at, other) > _APART for other in kept) and 0.02 < at[0] < 0.98:
+            kept.append(at)
+        else:
+            label.remove()
+
+
+def _mask_jumps(data: Any, jump: float) -> None:
+    """Mask, in place, the values on both sides of a step that is larger than `jump`."""
+    for axis in (0, 1):
+        wide = np.moveaxis(np.abs(np.diff(data, axis=axis)).filled(0.0) > jump, axis, 0)
+        table = np.moveaxis(data, axis, 0)
+        table[:-1][wide] = np.ma.masked
+        table[1:][wide] = np.ma.masked
+
+
+def _colours() -> Any:
+    from matplotlib import colormaps
+    from matplotlib.colors import ListedColormap
+
+    return ListedColormap(colormaps[COLOURS](np.linspace(0.0, DARKEST, 256)))
 
 
 def _curves(ax: Axes, v: Array, alpha: Array, values: xr.DataArray, curves: int) -> None:
@@ -277,7 +308,10 @@ def _curves(ax: Axes, v: Array, alpha: Array, values: xr.DataArray, curves: int)
 
 
 def _bar(image: Any, panels: list[Axes], values: xr.DataArray) -> None:
-    bar = panels[0].figure.colorbar(image, ax=panels, pad=0.02, aspect=25)
+    data, norm = image.get_array(), image.norm
+    below, above = data.min() < norm.vmin, data.max() > norm.vmax
+    extend = "both" if below and above else "min" if below else "max" if above else "neither"
+    bar = panels[0].figure.colorbar(image, ax=panels, pad=0.02, aspect=25, extend=extend)
     unit = values.attrs.get("units", "")
     unit = _SHOWN.get(unit, (unit, 1.0))[0]
     bar.set_label(f"{_title(values)} [{unit}]" if unit else _title(values), fontsize=FONT)
