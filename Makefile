@@ -29,7 +29,7 @@ benchmark: .venv/.dev  ## speed, as printed by benchmarks/
 	$(BIN)/python benchmarks/full_model.py
 
 urdf: .venv/.base  ## write urdf/*.urdf anew from the parameters
-	$(BIN)/python -m rrrobot.urdf urdf
+	$(BIN)/python -c 'from rrrobot.urdf import main; main()'
 
 clean:
 	rm -rf .venv out build dist .pytest_cache .mypy_cache .ruff_cache

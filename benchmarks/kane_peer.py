@@ -30,7 +30,7 @@ def equations(form: str) -> tuple[Callable[..., tuple[float, ...]], int]:
     The function takes roll, pitch, yaw, n speeds (Euler rates, then the centre's velocity), the
     legs' angles, rates and accelerations, and r, b, l, the masses, g and the damping.
     """
-    roll, pitch, yaw, x, y = q = me.dynamicsymbols("roll pitch yaw x y")
+    roll, pitch, yaw, *_ = q = me.dynamicsymbols("roll pitch yaw x y")
     u = me.dynamicsymbols("u1:6")
     phi = me.dynamicsymbols("phi1 phi2")
     r, b, leg, m_battery, m_servo, m_leg, g, kappa = constants = sp.symbols("r b l m_b m_s m_l g k")

@@ -25,6 +25,10 @@ MAX_STEP = 0.05
 robot that rocks or tumbles freely to 1e-9 of itself over half a minute."""
 
 
+SHORTEST_STEP = 1e-9
+"""Step below which the integrator gives up [s]."""
+
+
 class Observer(Protocol):
     """Sees the states as they come."""
 
@@ -117,6 +121,9 @@ def integrate(
             evaluations = solver.nfev
             if failure is not None or not np.all(np.isfinite(solver.y)):
                 stop = f"the integrator failed: {failure or 'the state is not finite'}".rstrip(".")
+                break
+            if solver.step_size is not None and solver.step_size < SHORTEST_STEP < end - now:
+                stop = f"the step fell to {solver.step_size:.3g} s: the motion is too fast"
                 break
             now, y = float(solver.t), solver.y
             reached = int(np.searchsorted(times, now, side="right"))

@@ -51,6 +51,8 @@ _RMS, _PEAK = _INDEX["rms_torque"], _INDEX["peak_torque"]
 # then for each leg its torque and rate, then the height of each body's mass centre.
 _TORQUE = 5
 _VERTICAL_PITCH = np.deg2rad(89.5)
+_MASSLESS = 1e9
+"""Height [m] of bodies that cannot touch the ground because they are not there."""
 
 
 class Engine(NamedTuple):
@@ -273,7 +275,7 @@ def _loads(tree, y, c, leg, parameters, b, out):  # type: ignore[no-untyped-def]
     n_legs = leg.shape[1]
     for i in range(tree.mass.size):
         held = i > 0 and tree.mass[i] > 0.0
-        out[_TORQUE + 2 * n_legs + i] = parameters[2] + b.height[i] if held else np.inf
+        out[_TORQUE + 2 * n_legs + i] = parameters[2] + b.height[i] if held else _MASSLESS
         if i > 0:
             k = tree.leg[i]
             out[_TORQUE + k], out[_TORQUE + n_legs + k] = _motor(tree, i, b), leg[1, k]

@@ -16,7 +16,8 @@ from rrrobot.checks import Array, finite, vector
 from rrrobot.errors import MissingExtraError, ParameterError, ShellError, UrdfError
 from rrrobot.parameters import RRRobotParameters
 from rrrobot.surfaces import SHELL_FRAME, Sphere, Surface, surface_from_dict
-from rrrobot.urdf import LEGS, parse_urdf, read_urdf, root_link, rrrobot_urdf, urdf_text
+from rrrobot.urdf import LEGS, rrrobot_urdf
+from rrrobot.urdf_reader import parse_urdf, read_urdf, root_link, urdf_text
 
 # Pinocchio's memory grows with the cube of the freedoms: 240 MB here, tens of GB for 1000.
 _MAX_LEGS = 150
@@ -125,8 +126,9 @@ class Robot:
         Args:
             source: path of a URDF file, or the URDF as text.
             shell: the belly, such as `Sphere(0.2)`; it touches the ground at one point.
-            legs: joint names in the order that gaits use; all movable joints, in Pinocchio's
-                order, unless given. Joints left out are held at their `locked` position.
+            legs: joint names in the order that gaits use; all movable joints that are not
+                `locked`, in Pinocchio's order, unless given. Joints left out are held at their
+                `locked` position.
             locked: joint name -> position of held joints [rad or m]; 0 where it is not named.
             shell_link: link that carries the shell; the root link unless given.
             shell_center: centre of the shell in that link's frame (3,) [m].
@@ -148,7 +150,9 @@ class Robot:
         """
         text = read_urdf(source)
         every = _movable_joints(text)
-        chosen = every if legs is None else _leg_names(legs)
+        free = tuple(name for name in every if name not in (locked or {}))
+        chosen = free if legs is None else _leg_names(legs)
+        _refuse_mimics(text, chosen)
         held = {name: 0.0 for name in every if name not in chosen}
         for name, value in (locked or {}).items():
             if name not in held:
@@ -317,6 +321,17 @@ def example_robots() -> tuple[str, ...]:
 def _movable_joints(text: str) -> tuple[str, ...]:
     model = build_model(text, pin.JointModelFreeFlyer(), (), {})
     return tuple(name for name in model.names if name not in ("universe", "root_joint"))
+
+
+def _refuse_mimics(text: str, legs: Sequence[str]) -> None:
+    """A mimic joint would move by itself as a leg of its own."""
+    for joint in parse_urdf(text).findall("joint"):
+        mimic = joint.find("mimic")
+        if mimic is not None and joint.get("name") in legs:
+            raise UrdfError(
+                f"joint {joint.get('name')!r} mimics {mimic.get('joint')!r}, which no model here "
+                "does: hold it still with locked={...: 0.0}, or leave it out of legs."
+            )
 
 
 def _leg_names(legs: Sequence[str]) -> tuple[str, ...]:

@@ -93,8 +93,8 @@ def simulate(
     if method not in ("kkt", "momentum"):
         raise ParameterError(f"method is {method!r}: it must be 'kkt' or 'momentum'.")
     times = sample_times(duration, sample_interval)
-    stepping = Stepping(step, rtol, atol, longest_step(gait, model))
     y0 = initial_state(model, gait, start=start, euler=euler, position=position, state=state)
+    stepping = Stepping(step, rtol, atol, longest_step(gait, model))
     system = _System(model, gait)
     track = EulerTrack(model, np.zeros(3) if state is not None else euler, times.size)
     if method == "momentum":

@@ -21,7 +21,7 @@ from rrrobot.errors import UrdfError
 from rrrobot.meshcat_commands import Colour, Geometry, mesh
 from rrrobot.robot import Robot
 from rrrobot.surfaces import Sphere, Surface
-from rrrobot.urdf import parse_urdf
+from rrrobot.urdf_reader import parse_urdf
 
 BAND_COLOURS: tuple[Colour, ...] = ((0.84, 0.37, 0.0), (0.0, 0.45, 0.7), (0.25, 0.25, 0.25))
 SHELL_COLOUR: Colour = (0.93, 0.91, 0.86, 0.4)

@@ -15,6 +15,7 @@ ORDER = [
     "parameters",
     "rotations",
     "surfaces",
+    "urdf_reader",
     "urdf",
     "robot",
     "gaits",

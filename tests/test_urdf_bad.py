@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rrrobot as rr
-from rrrobot import urdf
+from rrrobot import urdf_reader
 from tests.strategies import examples
 
 SHELL = rr.Sphere(0.12)
@@ -268,7 +268,7 @@ def test_bad_files(tmp_path, content, says):
 
 
 def test_huge_file(tmp_path, monkeypatch):
-    monkeypatch.setattr(urdf, "_MAX_BYTES", 10_000)
+    monkeypatch.setattr(urdf_reader, "_MAX_BYTES", 10_000)
     path = tmp_path / "huge.urdf"
     path.write_text(GOOD + " " * 10_000)
     refused(path, "more than 10000 bytes: that is the limit")
@@ -279,7 +279,7 @@ def test_huge_file(tmp_path, monkeypatch):
 
 
 def test_endless_file_is_read_to_the_limit_only(monkeypatch):
-    monkeypatch.setattr(urdf, "_MAX_BYTES", 10_000)
+    monkeypatch.setattr(urdf_reader, "_MAX_BYTES", 10_000)
     endless = Path("/dev/zero")
     if not endless.exists():
         pytest.skip("no such device here")

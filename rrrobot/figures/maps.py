@@ -71,7 +71,7 @@ def value_map(
     rows, columns = (np.asarray(table[dim]) for dim in table.dims)
     ax = new_axes() if ax is None else ax
     data = np.ma.masked_invalid(table.to_numpy())
-    shading = "nearest" if data.mask.any() else "gouraud"
+    shading: Any = "nearest" if data.mask.any() else "gouraud"
     image = ax.pcolormesh(
         columns, rows, data, cmap=_colours(), vmin=low, vmax=high, shading=shading, rasterized=True
     )
@@ -266,7 +266,7 @@ def _contours(ax: Axes, x: Array, y: Array, data: Any, limits: tuple[float, floa
     labels = ax.clabel(lines, inline=False, fontsize=FONT - 2, fmt=lambda v: f"{v + 0.0:g}")
     kept: list[Any] = []
     for label in labels:
-        label.set_path_effects([withStroke(linewidth=2.0, foreground="white")])
+        label.set_path_effects([withStroke(linewidth=2.6, foreground="white")])
         at = (ax.transData - ax.transAxes).transform(label.get_position())
         if all(math.dist(at, other) > _APART for other in kept) and 0.02 < at[0] < 0.98:
             kept.append(at)
