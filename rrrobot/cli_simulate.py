@@ -85,7 +85,8 @@ def simulate(**options: Any) -> None:
     Examples:
       rrrobot simulate --gait circular --plot circular.png --html circular.html
       rrrobot simulate --offset pi/2,pi/4 --amplitude 0.2 --duration 60 --json
-      rrrobot simulate --robot solo12 --shell-radius 0.25 --legs FL_HFE,FR_HFE
+      rrrobot simulate --robot solo12 --shell-radius 0.25 --shell-center 0 0 0.12 \
+        --legs FL_HFE,FR_HFE,HL_HFE,HR_HFE --offset pi --damping-kind body
     """
     run(options)
 

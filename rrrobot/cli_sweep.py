@@ -6,7 +6,7 @@ import io
 import math
 import re
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -53,7 +53,7 @@ class Grid(_ParamType):
 
     def convert(self, value: Any, param: Any, ctx: Any) -> tuple[str | None, float | Array]:
         if not isinstance(value, str):
-            return value  # type: ignore[no-any-return]
+            return value
         label, _, text = value.rpartition("=")
         try:
             return label or None, parse_grid(text)
@@ -323,11 +323,15 @@ def draw(ds: xr.Dataset, model: Model, beside: dict[str, xr.Dataset]) -> dict[st
             "fig_20_modulation": maps.modulation(modulation).figure,  # type: ignore[dict-item]
             "fig_21_inverse": maps.inverse(ds),
         }
-    figures = {"translation": maps.translation(ds), "amplitudes": maps.amplitudes(ds)}
-    phases = maps.phase_difference(ds)
-    if phases.notnull().any():
-        figures["phase_difference"] = maps.value_map(phases).figure  # type: ignore[assignment]
-    return figures | {"inverse": maps.inverse(ds)}
+    figures: dict[str, Any] = {
+        "translation": maps.translation(ds),
+        "amplitudes": maps.amplitudes(ds),
+        "inverse": maps.inverse(ds),
+    }
+    phase = maps.phase_difference(ds)
+    if phase.notnull().any():
+        figures["phase_difference"] = maps.value_map(phase).figure
+    return figures
 
 
 def _write_figures(figures: dict[str, Figure], folder: Path) -> list[Path]:

@@ -99,7 +99,8 @@ def robots(as_json: bool) -> None:
     \b
     Example:
       rrrobot robots
-      rrrobot simulate --robot solo12 --shell-radius 0.25 --legs FL_HFE,FR_HFE
+      rrrobot simulate --robot solo12 --shell-radius 0.25 --shell-center 0 0 0.12 \
+        --legs FL_HFE,FR_HFE,HL_HFE,HR_HFE --offset pi --damping-kind body
     """
     rrrobot = Robot.from_parameters()
     found: list[dict[str, Any]] = [

@@ -146,6 +146,7 @@ class GaitLimits:
         for name, (value, text) in tops.items():
             top = getattr(self, name)
             if top is not None:
+                value = np.minimum(value, 1e9)
                 found[name] = ((top - value) / (top + value), text.format(top))
         return found
 

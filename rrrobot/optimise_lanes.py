@@ -31,7 +31,8 @@ from rrrobot.momentum.kernels import (
     step,
 )
 from rrrobot.optimise_forces import Bodies, bodies, damping_moment, pivot_inertia, solve, sweep
-from rrrobot.optimise_space import COLUMNS, Population
+from rrrobot.optimise_goals import COLUMNS
+from rrrobot.optimise_space import Population
 
 COUNTED = 4
 """Cycles that are averaged."""

@@ -55,6 +55,8 @@ _LANES = 16
 """Gaits that the engine takes at once: chunks are multiples of it."""
 _IN_FLIGHT = 32
 """Chunks that an executor is given at once, so that a long queue takes no memory."""
+_STILL = 1e-9
+"""Amplitude up to which an axis has no phase [rad]."""
 _PER_LEG = ("offset", "amplitude", "phase")
 _LABELS = {
     "offset": ("rad", "leg offset"),
@@ -557,7 +559,9 @@ class _Job:
         found["clearance"] = height
         found["curvature"] = curvature(found["speed"], found["yaw_rate"])
         turn = found["yaw_phase"] - found["pitch_phase"] + np.pi
-        found["pitch_yaw_phase_difference"] = -(turn % (2 * np.pi) - np.pi)
+        swings = (found["pitch_amplitude"] > _STILL) & (found["yaw_amplitude"] > _STILL)
+        turn = np.where(swings, -(turn % (2 * np.pi) - np.pi), np.nan)
+        found["pitch_yaw_phase_difference"] = turn
         part = {name: found[name].astype(column.dtype) for name, column in self.columns.items()}
         if self._file is not None:
             self._file.write(first, part)

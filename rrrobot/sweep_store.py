@@ -47,7 +47,7 @@ VARIABLES = {
     "roll_phase": ("rad", "roll phase"),
     "pitch_phase": ("rad", "pitch phase"),
     "yaw_phase": ("rad", "yaw phase"),
-    "pitch_yaw_phase_difference": ("rad", "pitch phase less yaw phase"),
+    "pitch_yaw_phase_difference": ("rad", "pitch phase less yaw phase, where both swing"),
     "roll_mean": ("rad", "mean roll"),
     "pitch_mean": ("rad", "mean pitch"),
     "yaw_mean": ("rad", "mean yaw"),

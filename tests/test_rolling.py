@@ -151,6 +151,15 @@ def test_samples_are_of_sixth_order_or_better() -> None:
     assert np.min(np.divide(errors[:-1], errors[1:])) > 64
 
 
+def test_samples_of_a_steady_turn_are_exact() -> None:
+    """The spline keeps a polynomial, and the quadrature leaves next to nothing at 30 degrees per
+    interval: pitch = t, yaw = 2 t gives r (sin 2t, 1 - cos 2t) / 2."""
+    time = np.linspace(0.0, 3.0, 13)
+    path = rr.contact_path(R, time, np.outer(time, [0.0, 1.0, 2.0]))
+    exact = R / 2 * np.column_stack((np.sin(2 * time), 1 - np.cos(2 * time)))
+    assert np.abs(path - exact).max() < 1e-13
+
+
 def test_a_function_is_integrated_to_the_tolerance() -> None:
     time = np.linspace(0.0, 4.0, 9)
     exact = rr.contact_path(R, time, tumble, stepping=TIGHT)

@@ -1,0 +1,23 @@
+"""Every example runs by itself, headless, and writes what it says."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.py"))
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
+def test_example(path, tmp_path):
+    assert len(path.read_text().splitlines()) < 60
+    run = subprocess.run(
+        [sys.executable, str(path)], cwd=tmp_path, capture_output=True, text=True, timeout=120
+    )
+    assert run.returncode == 0, run.stderr
+    written = re.findall(r"^wrote (\S+)", run.stdout, flags=re.M)
+    assert written
+    for name in written:
+        assert (tmp_path / name).stat().st_size > 0
