@@ -150,16 +150,19 @@ def motion_of_means(means: Array) -> Motion:
     return Motion(np.hypot(steps[..., 0], steps[..., 1]).mean(axis=0), steps[..., 2].mean(axis=0))
 
 
-def errors(found: Motion, true: Motion) -> dict[str, float]:
-    """Median and worst relative error of speed and yaw rate, where the true ones are not small."""
-    result: dict[str, float] = {"failed": int(np.sum(~np.isfinite(found.speed)))}
+def errors(found: Motion, true: Motion) -> dict[str, float | None]:
+    """Median and worst relative error of speed and yaw rate, where the true ones are not small.
+
+    None where no gait counts.
+    """
+    result: dict[str, float | None] = {"failed": int(np.sum(~np.isfinite(found.speed)))}
     for name, least in (("speed", MIN_SPEED), ("yaw_rate", MIN_YAW_RATE)):
         have, want = getattr(found, name), getattr(true, name)
         counts = np.abs(want) > least
         relative = np.abs(have[counts] / want[counts] - 1)
         result[f"{name}_counted"] = int(counts.sum())
-        result[f"{name}_median"] = float(np.median(relative))
-        result[f"{name}_worst"] = float(np.max(relative))
+        result[f"{name}_median"] = float(np.median(relative)) if relative.size else None
+        result[f"{name}_worst"] = float(np.max(relative)) if relative.size else None
     return result
 
 
@@ -236,8 +239,8 @@ def _own() -> float:
 
 
 @contextmanager
-def recorded(name: str, *packages: str) -> Iterator[dict[str, Any]]:
-    """A record to fill, written to benchmarks/results when the measurements have succeeded.
+def recorded(name: str, folder: Path, *packages: str) -> Iterator[dict[str, Any]]:
+    """A record to fill, written to the folder as JSON when the measurements have succeeded.
 
     It holds date, versions, processor, load averages and how much of the cores other processes
     took meanwhile.
@@ -258,5 +261,5 @@ def recorded(name: str, *packages: str) -> Iterator[dict[str, Any]]:
         "minutes": round(seconds / 60, 1),
         "versions": _versions(*packages),
     }
-    RESULTS.mkdir(exist_ok=True)
-    (RESULTS / f"{name}.json").write_text(json.dumps(record, indent=1) + "\n")
+    folder.mkdir(exist_ok=True, parents=True)
+    (folder / f"{name}.json").write_text(json.dumps(record, indent=1) + "\n")

@@ -20,8 +20,6 @@ import rrrobot as rr
 from benchmarks.common import AMPLITUDE, KAPPA, OMEGA, PERIOD, Array
 
 FORMS = ("constraint", "kinematics")
-STEPS = 79
-"""Steps in a cycle that are nearest to 10 ms."""
 
 
 def equations(form: str) -> tuple[Callable[..., tuple[float, ...]], int]:

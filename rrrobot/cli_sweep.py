@@ -7,6 +7,7 @@ import math
 import re
 import time
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,20 +15,20 @@ import click
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.cli_build import MODELS, Options, build_damping, build_robot
+from rrrobot.cli_build import DECOUPLED, MODELS, Options, build_damping, build_robot
 from rrrobot.cli_options import option_group, robot_options
 from rrrobot.cli_report import aligned, to_json
 from rrrobot.cli_types import Numbers, parse_number
 from rrrobot.errors import OutputError
 from rrrobot.files import write_whole
-from rrrobot.models.base import Model
-from rrrobot.sweep import LARGEST
+from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
+from rrrobot.robot import Robot
+from rrrobot.sweep import LARGEST, DecoupledModels, Swept
 from rrrobot.sweep import sweep as run_sweep
 from rrrobot.sweep_store import STATUS
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.figure import Figure
 
     _ParamType = click.ParamType[Any, Any]
 else:
@@ -146,7 +147,7 @@ output_options = option_group(
 
 
 @click.command("sweep")
-@click.option("--model", type=click.Choice(tuple(MODELS)), default="full", show_default=True)
+@click.option("--model", type=click.Choice((*MODELS, DECOUPLED)), default="full", show_default=True)
 @grid_options
 @robot_options
 @run_options
@@ -170,9 +171,7 @@ def sweep_command(**options: Any) -> None:
     grids, parameters = build_grids(options)
     folder = None if options["figures"] is None else _folder(options["figures"], grids, parameters)
     robot = build_robot(options)
-    damping = build_damping(options)
-    given = {} if damping is None else {"damping": damping}
-    model = MODELS[options["model"]](robot, **given)
+    model = _model(options["model"], robot, options)
     run = {
         "cycles": options["cycles"],
         "counted": options["counted"],
@@ -191,12 +190,11 @@ def sweep_command(**options: Any) -> None:
     )
     data = summary(ds, time.perf_counter() - started)
     files = [] if options["out"] is None else [Path(options["out"])]
-    if folder is not None:
-        beside = {}
-        if options["paper"] and options["model"] == "full":
-            given_axes = {name: MODELS[name](robot, **given) for name in ("pitch", "yaw")}
-            beside = {n: run_sweep(m, **grids, **run) for n, m in given_axes.items()}
-        files += _write_figures(draw(ds, model, beside), folder)
+    if folder is not None and options["paper"] and options["model"] == "full":
+        make = partial(_model, robot=robot, options=options)
+        files += _write_figures(draw_paper(ds, make, grids, run), folder)
+    elif folder is not None:
+        files += _write_figures(draw(ds), folder)
     data["files"] = [str(path) for path in files]
     if options["as_json"]:
         click.echo(to_json(data))
@@ -295,34 +293,10 @@ def _place(best: dict[str, Any]) -> str:
     )
 
 
-def draw(ds: xr.Dataset, model: Model, beside: dict[str, xr.Dataset]) -> dict[str, Figure]:
-    """Figures of a sweep over two grids by file name.
-
-    Args:
-        ds: the sweep.
-        model: its model.
-        beside: the same sweep of the "pitch" and the "yaw" model, for the paper's figures.
-    """
+def draw(ds: xr.Dataset) -> dict[str, Any]:
+    """Figures of a sweep over two grids by file name."""
     from rrrobot.figures import maps
 
-    if beside:
-        pitch, yaw = beside["pitch"], beside["yaw"]
-        thin = slice(None, None, math.ceil(ds.sizes["offset"] / _MOST_MODULATED))
-        modulation = maps.amplitude_modulation(model.robot, ds.isel(offset=thin))
-        titles = ("full model", "pitch model"), ("full model", "yaw model")
-        phases = maps.phase_difference(ds), maps.phase_difference(pitch, yaw)
-        return {
-            "fig_11_pitch_amplitude": maps.side_by_side(
-                ds.pitch_amplitude, pitch.pitch_amplitude, titles[0]
-            ),
-            "fig_12_yaw_amplitude": maps.side_by_side(
-                ds.yaw_amplitude, yaw.yaw_amplitude, titles[1]
-            ),
-            "fig_14_phase_difference": maps.side_by_side(*phases),
-            "fig_18_translation": maps.translation(ds),
-            "fig_20_modulation": maps.modulation(modulation).figure,  # type: ignore[dict-item]
-            "fig_21_inverse": maps.inverse(ds),
-        }
     figures: dict[str, Any] = {
         "translation": maps.translation(ds),
         "amplitudes": maps.amplitudes(ds),
@@ -334,7 +308,53 @@ def draw(ds: xr.Dataset, model: Model, beside: dict[str, xr.Dataset]) -> dict[st
     return figures
 
 
-def _write_figures(figures: dict[str, Figure], folder: Path) -> list[Path]:
+def draw_paper(
+    full: xr.Dataset, make: Callable[[str], Any], grids: Options, run: Options
+) -> dict[str, Any]:
+    """The paper's figures by file name, with sweeps of the single-axis models.
+
+    Args:
+        full: sweep of the full model over the paper's plane.
+        make: makes a model by its name.
+        grids, run: of that sweep.
+    """
+    from rrrobot.figures import maps
+
+    pitch, yaw = (run_sweep(make(name), **grids, **run) for name in ("pitch", "yaw"))
+    decoupled = make(DECOUPLED)
+    thin = slice(None, None, math.ceil(full.sizes["offset"] / _MOST_MODULATED))
+    modulation = maps.amplitude_modulation(decoupled.robot, full.isel(offset=thin))
+    known = modulation.dropna("offset")
+    amplitude = full.offset.copy(data=np.interp(full.offset, known.offset, known))
+    single = run_sweep(decoupled, **grids, **run, yaw_amplitude=amplitude)
+    phases = maps.phase_difference(full), maps.phase_difference(pitch, yaw)
+    return {
+        "fig_11_pitch_amplitude": maps.side_by_side(
+            full.pitch_amplitude, pitch.pitch_amplitude, ("full model", "pitch model")
+        ),
+        "fig_12_yaw_amplitude": maps.side_by_side(
+            full.yaw_amplitude, yaw.yaw_amplitude, ("full model", "yaw model")
+        ),
+        "fig_14_phase_difference": maps.side_by_side(*phases),
+        "fig_18_translation": maps.translation(full),
+        "fig_19_translation_decoupled": maps.translation(single),
+        "fig_20_modulation": maps.modulation(modulation).figure,
+        "fig_21_inverse": maps.inverse(full),
+        "fig_22_inverse_decoupled": maps.inverse(single),
+    }
+
+
+def _model(name: str, robot: Robot, options: Options) -> Swept:
+    damping = build_damping(options)
+    given: dict[str, Any] = {} if damping is None else {"damping": damping}
+    if name != DECOUPLED:
+        return MODELS[name](robot, **given)
+    return DecoupledModels(
+        robot, RollModel(robot, **given), PitchModel(robot, **given), YawModel(robot, **given)
+    )
+
+
+def _write_figures(figures: dict[str, Any], folder: Path) -> list[Path]:
     written = []
     for name, figure in figures.items():
         stream = io.BytesIO()

@@ -7,9 +7,9 @@ centre C. With s the vector from the pivot to C, up = R^T z and alpha = w_dot,
     f_i = m_i (a_i + g up),    n_i = I_i alpha_i + w_i x I_i w_i
     sum of (s + c_i) x f_i + n_i = damping moment    gives alpha
 
-The left side is linear in alpha with the matrix I_P, so two sweeps over the bodies suffice: one with
-alpha = 0 for the right side, one for the forces. The contact force is the sum of all f_i, a motor's
-torque the moment about its joint's axis of all that the joint carries.
+The left side is linear in alpha with the matrix I_P, so two sweeps over the bodies suffice: one
+with alpha = 0 for the right side, one for the forces. The contact force is the sum of all f_i, a
+motor's torque the moment about its joint's axis of all that the joint carries.
 """
 
 from __future__ import annotations
@@ -49,8 +49,12 @@ class Bodies(NamedTuple):
 
 def bodies(n: int) -> Bodies:
     """Scratch for a tree of n bodies."""
-    vectors = [np.zeros((n, 3)) for _ in range(7)]
-    return Bodies(np.zeros((n, 3, 3)), *vectors, np.zeros(n), np.zeros((6, 3)))
+    rows = [np.zeros((n, 3)) for _ in range(7)]
+    origin, axis, omega, alpha, acceleration, force, moment = rows
+    return Bodies(
+        np.zeros((n, 3, 3)), origin, axis, omega, alpha, acceleration, force, moment, np.zeros(n),
+        np.zeros((6, 3)),
+    )  # fmt: skip
 
 
 @njit(cache=True, nogil=True, error_model="numpy", inline="always")

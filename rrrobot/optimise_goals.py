@@ -6,10 +6,12 @@ A table holds what populations of gaits give, one row a gait, the columns `COLUM
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rrrobot.checks import Array, finite
 from rrrobot.errors import ParameterError
@@ -62,6 +64,31 @@ class Table:
     def curvature(self) -> Array:
         """yaw_rate / speed (n,) [1/m]."""
         return np.asarray(self.yaw_rate / np.maximum(self.speed, 1e-12))
+
+    @property
+    def values(self) -> Array:
+        """All columns (n, len(COLUMNS))."""
+        return np.column_stack([getattr(self, name) for name in COLUMNS])
+
+    def rows(self, which: NDArray[Any] | slice) -> Table:
+        """Some of the gaits: indices or a mask."""
+        return Table(
+            self.values[which], self.swing[which], self.rate[which], self.acceleration[which]
+        )
+
+    @staticmethod
+    def joined(tables: Sequence[Table]) -> Table:
+        """Several tables one after the other."""
+        legs = (
+            np.concatenate([getattr(t, name) for t in tables])
+            for name in ("swing", "rate", "acceleration")
+        )
+        return Table(np.concatenate([t.values for t in tables]), *legs)
+
+    def to_dict(self) -> dict[str, float]:
+        """The first row by name, without the status."""
+        names = [name for name in COLUMNS if name != "status"]
+        return {name: float(getattr(self, name)[0]) for name in names}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,6 +188,7 @@ class Goal(ABC):
     name: str
     unit: str
     min_speed: float = 0.0
+    tolerance: float = 0.0
 
     @abstractmethod
     def value(self, table: Table) -> Array:
@@ -173,6 +201,10 @@ class Goal(ABC):
     def misses(self, table: Table) -> Array | None:
         """For targets: relative distance of each quantity from its target (n, k)."""
         return None
+
+    def shortfall(self, table: Table) -> str:
+        """For targets: how far the first gait of a table is from it, in words."""
+        return ""
 
     def to_dict(self) -> dict[str, Any]:
         """Name and numbers as plain data."""
@@ -307,6 +339,14 @@ class TargetMotion(Goal):
         else:
             turn = (table.yaw_rate - self.yaw_rate) / max(abs(self.yaw_rate or 0.0), 1e-3)
         return np.column_stack((table.speed / self.speed - 1.0, turn))
+
+    def shortfall(self, table: Table) -> str:
+        turn = "yaw_rate" if self.curvature is None else "curvature"
+        unit = "rad/s" if self.curvature is None else "1/m"
+        return (
+            f"the nearest found has speed {table.speed[0]:.6g} m/s and {turn} "
+            f"{getattr(table, turn)[0]:.6g} {unit}, not {self.speed:g} and {getattr(self, turn):g}"
+        )
 
 
 GOALS: dict[str, type[Goal]] = {

@@ -8,6 +8,7 @@ interpolation gives their extremes. What a gait gives does not depend on the oth
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -30,7 +31,7 @@ from rrrobot.momentum.kernels import (
     VERTICAL,
     step,
 )
-from rrrobot.optimise_forces import Bodies, bodies, damping_moment, pivot_inertia, solve, sweep
+from rrrobot.optimise_forces import bodies, damping_moment, pivot_inertia, solve, sweep
 from rrrobot.optimise_goals import COLUMNS
 from rrrobot.optimise_space import Population
 
@@ -42,6 +43,7 @@ _LONGEST_STEP = 0.09
 _FINER = 4
 """Points of the interpolation for each step."""
 
+N_COLUMNS = len(COLUMNS)
 _INDEX = {name: i for i, name in enumerate(COLUMNS)}
 _SPEED, _YAW_RATE, _VARIATION = (_INDEX[k] for k in ("speed", "yaw_rate", "variation"))
 _PITCH, _STATUS, _CLEARANCE = (_INDEX[k] for k in ("pitch", "status", "clearance"))
@@ -65,13 +67,13 @@ class Engine(NamedTuple):
     settle_time: float
 
     def __call__(self, gaits: Population) -> Array:
-        """What each gait gives (n, len(COLUMNS)); NaN, with a status, of those that stopped."""
+        """What each gait gives (n, N_COLUMNS); NaN, with a status, of those that stopped."""
         period = 2 * np.pi / gaits.angular_frequency
         wanted = np.maximum(period / _LONGEST_STEP, 6 + 6 * gaits.sine.shape[1])
         steps = _STEPS[np.minimum(np.searchsorted(_STEPS, wanted), _STEPS.size - 1)]
         cycles = np.ceil(self.settle_time / period - 1e-9).astype(np.int64) + COUNTED
         order = np.lexsort((cycles, steps))
-        out = np.full((len(period), len(COLUMNS)), np.nan)
+        out = np.full((len(period), N_COLUMNS), np.nan)
         scratch = bodies(len(self.tree.mass))
         for first, last in _blocks(steps[order]):
             lanes = order[first:last]
@@ -99,7 +101,7 @@ def _blocks(steps: NDArray[np.int64]) -> list[tuple[int, int]]:
     edges = [0, *(np.flatnonzero(np.diff(steps)) + 1).tolist(), len(steps)]
     return [
         (first, min(first + LANES, end))
-        for start, end in zip(edges, edges[1:], strict=False)
+        for start, end in pairwise(edges)
         for first in range(start, end, LANES)
     ]
 
@@ -156,7 +158,7 @@ def _block(  # type: ignore[no-untyped-def]
             if 0 <= count < COUNTED:
                 for s in range(3):
                     means[i, count, s] = areas[s * LANES + i] / (n_steps * h[i])
-    out = np.full((n, len(COLUMNS)), np.nan)
+    out = np.full((n, N_COLUMNS), np.nan)
     for i in range(n):
         out[i, _PITCH], out[i, _STATUS] = pitch[i], OK
         if pitch[i] < _VERTICAL_PITCH:

@@ -13,13 +13,14 @@ from rrrobot.checks import Array
 from rrrobot.errors import GaitError
 from rrrobot.gaits import FourierGait, Gait, SinusoidalGait, StillLegs
 from rrrobot.models.base import Model
-from rrrobot.optimise_goals import COLUMNS, Goal, GaitLimits, Table
+from rrrobot.optimise_goals import COLUMNS, GaitLimits, Goal, Table
 from rrrobot.simulate import simulate
 from rrrobot.steady_state import SteadyState
 from rrrobot.trajectory import Trajectory
 
 _SAMPLES = 48
-_CYCLES = 4
+CONFIRMED_CYCLES = 4
+"""Cycles at the end of the confirming simulation over which means are taken."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -68,7 +69,10 @@ class OptimisedGait:
     trajectory: Trajectory = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
-        """Everything but the trajectory as plain data; `gait_from_dict(d["gait"])` gives the gait."""
+        """Everything but the trajectory as plain data.
+
+        `gait_from_dict(d["gait"])` gives the gait again.
+        """
         return {
             "gait": self.gait.to_dict(),
             "goal": self.goal.to_dict(),
@@ -100,7 +104,7 @@ def confirm(model: Model, gait: Gait, settle_time: float) -> tuple[Trajectory, T
     """Simulate a gait by the KKT system and measure it as the engine does: one row."""
     period = gait.period or 0.0
     settled = np.ceil(settle_time / period) * period
-    duration = settled + _CYCLES * period
+    duration = settled + CONFIRMED_CYCLES * period
     t = simulate(model, gait, duration, period / _SAMPLES)
     state = t.steady_state(start=settled - 1e-9)
     last = t.time > duration - 2 * period

@@ -1,27 +1,27 @@
-"""A search over gaits: what a point of the box scores, a global search, and a local polish.
+"""A search over gaits: what a gait scores, a global search, and a local polish.
 
-Scores order points as Deb's rules do: valid gaits by their objective, invalid ones behind them by
-how much they violate. Differential evolution compares scores only, so any jump between is fine.
+Scores order gaits by Deb's rules: valid ones by their objective, invalid ones behind them by how
+much they violate. Differential evolution compares scores only, so jumps between them do no harm.
 """
 
 from __future__ import annotations
 
-import inspect
 from collections.abc import Callable
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.optimise_goals import COLUMNS, GaitLimits, Goal, Table
+from rrrobot.optimise_goals import GaitLimits, Goal, Table
 from rrrobot.optimise_space import Population, Space
 
-Progress = Callable[[int, int, float], None]
+Progress = Callable[[int, int], None]
+"""Called with the gaits simulated so far and the budget."""
 
-_INVALID, _MISSED, _STOPPED = 1e9, 1e6, 1e12
-_LOOSE, _TIGHT = 0.02, 1e-5
+_MISSED, _INVALID, _STOPPED = 1e6, 1e9, 1e15
+_ROUNDING = ("max_variation", "swing")
+"""Limits without a margin, and those that a polish leaves to the final check."""
 _MARGIN = 2e-3
-_SPEED_MARGIN = 1e-4
 _STEP = 1e-4
 """Of central differences, in the scaled box."""
 
@@ -30,55 +30,210 @@ class Spent(Exception):  # noqa: N818
     """The budget does not allow another batch."""
 
 
-class Problem:
-    """A goal and limits over a box of gaits.
+class Evaluator:
+    """Counts and keeps what is simulated.
 
-    Attributes:
-        evaluations: gaits that were simulated.
-        points, scores: all of them.
-        history: (evaluations, best value) after each batch that improved it.
+    Args:
+        engine: population -> results.
+        space: the box of gaits.
+        budget: gaits that may be simulated.
+        progress: see `Progress`.
     """
 
     def __init__(
         self,
         engine: Callable[[Population], Array],
         space: Space,
-        goal: Goal,
-        limits: GaitLimits,
-        *,
-        weight: float,
         budget: int,
         progress: Progress | None = None,
     ) -> None:
-        self.engine, self.space, self.goal, self.limits = engine, space, goal, limits
-        self.weight, self.budget, self.progress = weight, budget, progress
-        self.evaluations = 0
-        self.tolerance = _LOOSE
-        self.archive = _Archive(space.n)
-        self.history: list[tuple[int, float]] = []
+        self.engine, self.space, self.budget = engine, space, budget
+        self.progress = progress
+        self.used = 0
+        self._points: list[Array] = []
+        self._tables: list[Table] = []
 
-    def table(self, points: Array) -> Table:
+    def __call__(self, points: Array) -> Table:
         """Results of points (n, space.n).
 
         Raises:
-            Spent: they would exceed the budget.
+            Spent: there is no budget for them.
         """
-        if self.evaluations + len(points) > self.budget:
+        if self.used + len(points) > self.budget:
             raise Spent
         gaits = self.space.population(points)
-        values = self.engine(gaits)
-        self.evaluations += len(points)
-        table = Table(values, *gaits.extremes())
-        self.archive.add(points, values)
+        table = Table(self.engine(gaits), *gaits.extremes())
+        self.used += len(points)
+        self._points.append(points.copy())
+        self._tables.append(table)
+        if self.progress is not None:
+            self.progress(self.used, self.budget)
         return table
+
+    def archive(self) -> tuple[Array, Table]:
+        """All points and their results, in the order in which they were simulated."""
+        self._points = [np.concatenate(self._points)]
+        self._tables = [Table.joined(self._tables)]
+        return self._points[0], self._tables[0]
+
+
+class Task(NamedTuple):
+    """What is wanted of a gait."""
+
+    goal: Goal
+    limits: GaitLimits
+    weight: float
+    """of the robot [N]; 0 for a pivoted model, which has no ground to lift off from"""
+    largest_swing: float
+    tolerance: float = 0.02
+    """of targets, relative, in a score"""
+
+    def slacks(self, table: Table, margin: float = _MARGIN) -> dict[str, Array]:
+        """How far inside each limit the gaits are (n,), of order one."""
+        found = {
+            name: slack - margin * (name not in _ROUNDING)
+            for name, (slack, _) in self.limits.slack(
+                table, self.weight, self.largest_swing
+            ).items()
+        }
+        if self.goal.min_speed > 0:
+            found["min_speed"] = table.speed / self.goal.min_speed - 1.0 - 0.05 * margin
+        return found
 
     def scores(self, table: Table) -> Array:
         """Lower is better (n,)."""
         violation = np.zeros(table.speed.shape)
         for slack in self.slacks(table).values():
             violation += np.maximum(0.0, -slack)
-        miss = self.goal.misses(table)
-        worst = np.zeros(table.speed.shape) if miss is None else np.abs(miss).max(axis=1)
-        score = np.where(worst > self.tolerance, _MISSED + worst, self.goal.objective(table))
-        score = np.where(violation > 0, _INVALID * (1 + violation) + worst, score)
+        misses = self.goal.misses(table)
+        miss = np.zeros(table.speed.shape) if misses is None else np.abs(misses).max(axis=1)
+        score = np.where(miss > self.tolerance, _MISSED + miss, self.goal.objective(table))
+        score = np.where(violation > 0, _INVALID * (1 + violation) + miss, score)
         return np.where(np.isfinite(score) & (table.status == 0), score, _STOPPED)
+
+    def valid(self, scores: Array) -> Array:
+        """Whether scores are those of gaits within the limits, with a target reached (n,)."""
+        return np.asarray(scores < _MISSED)
+
+
+def global_search(evaluator: Evaluator, task: Task, rng: np.random.Generator, budget: int) -> None:
+    """Differential evolution within a budget of gaits; the results are in the archive."""
+    from scipy.optimize import differential_evolution
+
+    n = evaluator.space.n
+    size = 16 * int(np.clip(np.ceil(10 * n / 16), 2, 8))
+    generations = budget // size - 1
+    if generations < 1:
+        evaluator(latin_hypercube(rng, min(budget, size), n))
+        return
+    differential_evolution(
+        lambda x: task.scores(evaluator(x.T)),
+        [(0.0, 1.0)] * n,
+        init=latin_hypercube(rng, size, n),
+        maxiter=generations,
+        tol=1e-6,
+        atol=1e-12,
+        mutation=(0.4, 0.9),
+        recombination=0.8,
+        seed=rng,
+        polish=False,
+        updating="deferred",
+        vectorized=True,
+    )
+
+
+def latin_hypercube(rng: np.random.Generator, size: int, n: int) -> Array:
+    """Points in the unit box, one in each of `size` slices along every axis (size, n)."""
+    slices = rng.permuted(np.tile(np.arange(size), (n, 1)), axis=1).T
+    return (slices + rng.random((size, n))) / size
+
+
+def best_points(points: Array, scores: Array, count: int, distance: float = 0.1) -> Array:
+    """The best points that are at least a distance per axis apart (k <= count, n)."""
+    chosen: list[Array] = []
+    apart = distance * np.sqrt(points.shape[1])
+    for i in np.argsort(scores, kind="stable"):
+        if all(np.linalg.norm(points[i] - other) > apart for other in chosen):
+            chosen.append(points[i])
+        if len(chosen) == count:
+            break
+    return np.array(chosen)
+
+
+def polish(evaluator: Evaluator, task: Task, point: Array, iterations: int = 60) -> None:
+    """Sequential quadratic programming from a point; the results are in the archive.
+
+    Gradients are central differences, simulated side by side. A target is an equality, unless the
+    point is far from it: then the distance from it is minimised.
+    """
+    from scipy.optimize import minimize
+
+    local = _Local(evaluator, task, point)
+    low, high = evaluator.space.box()
+    constraints: list[dict[str, Any]] = [
+        {
+            "type": "ineq",
+            "fun": lambda x: local(x)[0]["slack"],
+            "jac": lambda x: local(x)[1]["slack"],
+        }
+    ]
+    if local.equality:
+        constraints.append(
+            {
+                "type": "eq",
+                "fun": lambda x: local(x)[0]["miss"],
+                "jac": lambda x: local(x)[1]["miss"],
+            }
+        )
+    minimize(
+        lambda x: local(x)[0]["objective"],
+        point,
+        jac=lambda x: local(x)[1]["objective"],
+        bounds=list(zip(low, high, strict=True)),
+        constraints=constraints,
+        method="SLSQP",
+        options={"maxiter": iterations, "ftol": 1e-9},
+    )
+
+
+class _Local:
+    """Objective, limits and misses about a point, with their gradients."""
+
+    def __init__(self, evaluator: Evaluator, task: Task, point: Array) -> None:
+        self.evaluator, self.task = evaluator, task
+        self.low, self.high = evaluator.space.box()
+        self.at: Array | None = None
+        table = evaluator(point[None])
+        misses = task.goal.misses(table)
+        self.equality = misses is not None and float(np.abs(misses).max()) < 0.2
+        self.targeted = misses is not None
+        self.scale = max(abs(float(task.goal.objective(table)[0])), 1e-9)
+
+    def __call__(self, x: Array) -> tuple[dict[str, Array], dict[str, Array]]:
+        if self.at is None or not np.array_equal(self.at, x):
+            n = x.size
+            ahead = np.minimum(x + _STEP, self.high) - x
+            behind = x - np.maximum(x - _STEP, self.low)
+            points = np.vstack((x, x + np.diag(ahead), x - np.diag(behind)))
+            values = self._values(self.evaluator(points))
+            slopes = {
+                name: (v[1 : n + 1] - v[n + 1 :]).T / (ahead + behind) for name, v in values.items()
+            }
+            self.at = x.copy()
+            self.found = {name: v[0] for name, v in values.items()}, slopes
+        return self.found
+
+    def _values(self, table: Table) -> dict[str, Array]:
+        task = self.task
+        slacks = [s for name, s in task.slacks(table).items() if name != "max_variation"]
+        misses = task.goal.misses(table)
+        objective = task.goal.objective(table) / self.scale
+        if self.targeted and not self.equality:
+            objective = (np.asarray(misses) ** 2).sum(axis=1)
+        values = {"objective": objective, "slack": np.column_stack(slacks)}
+        if self.equality:
+            values["miss"] = np.asarray(misses)
+        # A gait that stopped must not poison the step that led to it.
+        return {
+            name: np.nan_to_num(v, nan=1e3, posinf=1e3, neginf=-1e3) for name, v in values.items()
+        }

@@ -41,13 +41,13 @@ class Population(NamedTuple):
         scale = self.angular_frequency[:, None, None] * harmonic
         if len(harmonic) == 1:
             size = np.hypot(self.sine, self.cosine)
-            return tuple((size * scale**p).max(axis=(1, 2)) for p in range(3))  # type: ignore[return-value]
+            return tuple((size * scale**p).max(axis=(1, 2)) for p in range(3))
         turn = 2 * np.pi * np.arange(_SWING_POINTS) / _SWING_POINTS * harmonic
         s, c = np.sin(turn).T, np.cos(turn).T
         swing = s @ self.sine + c @ self.cosine
         rate = c @ (scale * self.sine) - s @ (scale * self.cosine)
         acceleration = s @ (scale**2 * self.sine) + c @ (scale**2 * self.cosine)
-        return tuple(np.abs(x).max(axis=(1, 2)) for x in (swing, rate, acceleration))  # type: ignore[return-value]
+        return tuple(np.abs(x).max(axis=(1, 2)) for x in (swing, rate, acceleration))
 
 
 class Space:
@@ -133,9 +133,7 @@ class Space:
         whole = np.ones((s, rest, legs))
         return Population(
             np.ascontiguousarray(offset * np.ones(legs)),
-            np.concatenate(
-                ((first * np.cos(phase))[:, None], sine.reshape(shape) * whole), axis=1
-            ),
+            np.concatenate(((first * np.cos(phase))[:, None], sine.reshape(shape) * whole), axis=1),
             np.concatenate(
                 ((first * np.sin(phase))[:, None], cosine.reshape(shape) * whole), axis=1
             ),

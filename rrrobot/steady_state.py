@@ -140,7 +140,7 @@ def steady_state(
             f"{duration:.4g} s: a steady state needs 2. Simulate longer or start earlier."
         )
     spacing = float(np.diff(time).max())
-    if period / spacing < MIN_SAMPLES_PER_CYCLE:
+    if period / spacing < MIN_SAMPLES_PER_CYCLE - 1e-6:
         raise ParameterError(
             f"the trajectory has {period / spacing:.3g} samples per cycle: a steady state needs "
             f"{MIN_SAMPLES_PER_CYCLE}. Simulate with sample_interval <= "

@@ -17,7 +17,8 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import ExitStack, contextmanager
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol
@@ -29,12 +30,14 @@ from rrrobot.checks import Array, finite, vector
 from rrrobot.errors import GroundClearanceWarning, ModelError, ParameterError, RRRobotError
 from rrrobot.gaits import SinusoidalGait
 from rrrobot.models.base import Model
+from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.parameters import RRRobotParameters
 from rrrobot.robot import Robot
 from rrrobot.simulate import versions
 from rrrobot.surfaces import Sphere
 from rrrobot.sweep_store import NOT_COMPUTED, Layout, ResultsFile, curvature, pending
-from rrrobot.urdf import LEGS, parse_urdf
+from rrrobot.urdf import LEGS
+from rrrobot.urdf_reader import parse_urdf
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -63,6 +66,7 @@ _LABELS = {
     "amplitude": ("rad", "leg amplitude"),
     "phase": ("rad", "leg phase"),
     "phase_difference": ("rad", "leg phase difference"),
+    "yaw_amplitude": ("rad", "leg amplitude of the yaw model"),
     "angular_frequency": ("rad/s", "angular frequency"),
     "leg_mass": ("kg", "mass at each leg tip"),
     "servo_mass": ("kg", "mass at each hip"),
@@ -82,35 +86,101 @@ class SweepInterrupted(RRRobotError, KeyboardInterrupt):
         self.dataset = dataset
 
 
+@dataclass(frozen=True)
+class DecoupledModels:
+    """The single-axis models of one robot, recombined by rolling as `rrrobot.decoupled` does.
+
+    Args:
+        robot: with a spherical shell about the root link's origin, on level ground.
+        roll, pitch, yaw: the models, with other dampings than the paper's.
+
+    Raises:
+        ModelError: the robot has another shell or ground, or a model is of another robot.
+
+    Example:
+        >>> import numpy as np, rrrobot as rr
+        >>> from rrrobot.sweep import DecoupledModels
+        >>> models = DecoupledModels(rr.Robot.from_parameters())
+        >>> round(float(rr.sweep(models, offset=np.pi / 4).yaw_rate), 5)
+        0.01355
+    """
+
+    robot: Robot
+    roll: RollModel | None = None
+    pitch: PitchModel | None = None
+    yaw: YawModel | None = None
+    name = "decoupled"
+
+    def __post_init__(self) -> None:
+        for kind, cls in (("roll", RollModel), ("pitch", PitchModel), ("yaw", YawModel)):
+            model = getattr(self, kind)
+            if model is None:
+                model = cls(self.robot)
+                object.__setattr__(self, kind, model)
+            if not isinstance(model, cls) or model.robot != self.robot:
+                raise ModelError(f"{kind} is {model!r}: it must be a {cls.__name__} of the robot.")
+
+    @property
+    def models(self) -> tuple[RollModel, PitchModel, YawModel]:
+        """The roll, the pitch and the yaw model."""
+        return self.roll, self.pitch, self.yaw  # type: ignore[return-value]
+
+    def to_dict(self) -> dict[str, Any]:
+        """What the models are, as plain data for metadata."""
+        return {"name": self.name} | {model.name: model.to_dict() for model in self.models}
+
+
+Swept = Model | DecoupledModels
+
+
 class Engine(Protocol):
     """Computes steady states: the columns `momentum.batch.RESULT` of gaits (n, N_RESULT)."""
 
     def __call__(
-        self, setting: Any, gaits: Gaits, *, cycles: int, counted: int, steps_per_cycle: int
+        self,
+        setting: Any,
+        gaits: Gaits,
+        *,
+        cycles: int,
+        counted: int,
+        steps_per_cycle: int,
+        yaw_amplitude: Array | None = None,
     ) -> Array: ...
 
 
-def engine_of(model: Model) -> tuple[Engine, Any]:
+def engine_of(model: Swept) -> tuple[Engine, Any]:
     """The engine of a model, and the model in its terms.
 
     Raises:
         ModelError: there is none.
     """
-    from rrrobot.momentum.batch import setting_of, steady_states
+    from rrrobot.momentum.batch import decoupled_setting, setting_of, steady_states
 
+    if isinstance(model, DecoupledModels):
+        return steady_states, decoupled_setting(model.robot, *model.models)
     if not isinstance(model, Model):
-        raise ModelError(f"model is {model!r}: it must be a model, such as FullModel(robot).")
+        raise ModelError(
+            f"model is {model!r}: it must be a model, such as FullModel(robot), or DecoupledModels."
+        )
     return steady_states, setting_of(model)
 
 
+def remade(model: Swept, robot: Robot) -> Swept:
+    """The same model of another robot."""
+    if isinstance(model, DecoupledModels):
+        return DecoupledModels(robot, *(remade(part, robot) for part in model.models))  # type: ignore[arg-type]
+    return type(model)(robot, damping=model.damping)  # type: ignore[call-arg]
+
+
 def sweep(
-    model: Model,
+    model: Swept,
     *,
     offset: Grid | None = None,
     phase_difference: Grid | None = None,
     phase: Grid | None = None,
     amplitude: Grid | None = None,
     angular_frequency: Grid | None = None,
+    yaw_amplitude: float | xr.DataArray | None = None,
     points: Mapping[str, ArrayLike] | Sequence[SinusoidalGait] | None = None,
     parameters: Mapping[str, ArrayLike] | None = None,
     cycles: int = 38,
@@ -130,13 +200,17 @@ def sweep(
     dimension of the result, every number a coordinate.
 
     Args:
-        model: any of the five models, on a spherical shell and level ground.
+        model: any of the five models, or `DecoupledModels`, on a spherical shell and level
+            ground.
         offset: centre of the legs' swing [rad].
         phase_difference: by which leg 2 leads leg 1, on robots with two legs [rad]; pi/2 unless
             given.
         phase: of each leg instead, on any robot [rad]; 0 unless given.
         amplitude: of the swing [rad]; 0.3 unless given.
         angular_frequency: of all legs [rad/s]; 8 unless given.
+        yaw_amplitude: of the legs in the yaw model alone of `DecoupledModels`, the paper's Fig 20
+            [rad]: a number, or a DataArray over some of the gaits' dimensions, such as
+            `figures.maps.amplitude_modulation` gives; where it is NaN, as the other models'.
         points: gaits instead of a grid: `SinusoidalGait`s, or a mapping from the names above to
             arrays (n,) or, one column a leg, (n, legs). What it does not name may still be a grid.
         parameters: grids of `RRRobotParameters` by name, for the model of a robot that
@@ -188,6 +262,10 @@ def sweep(
     plan.add_phases(phase_difference, phase)
     plan.add("amplitude", amplitude, AMPLITUDE)
     plan.add("angular_frequency", angular_frequency, ANGULAR_FREQUENCY)
+    if yaw_amplitude is not None:
+        if not isinstance(model, DecoupledModels):
+            raise ParameterError("yaw_amplitude is for DecoupledModels: leave it out.")
+        plan.add_yaw_amplitude(yaw_amplitude)
     variants = _Variants(model, {name: plan.coords[name][1] for name in parameters or {}})
     layout = Layout(plan.sizes, plan.coords, _attrs(model, variants.base, run))
     if layout.size > LARGEST:
@@ -243,6 +321,7 @@ class _Plan:
         self.coords: dict[str, tuple[tuple[str, ...], Any, dict[str, str]]] = {}
         self._of_robot: tuple[str, ...] = ()
         self._sources: dict[str, list[_Source]] = {}
+        self._yaw: tuple[tuple[str, ...], Array] | None = None
 
     @property
     def gait_sizes(self) -> dict[str, int]:
@@ -315,8 +394,31 @@ class _Plan:
         self.add(name, difference, math.pi / 2)
         self._sources["phase"] = [_Source(None, np.array(0.0)), *self._sources.pop(name)]
 
-    def gaits(self, first: int, last: int) -> Gaits:
-        """Gaits first, ..., last - 1 of one robot, as the engine takes them."""
+    def add_yaw_amplitude(self, values: float | xr.DataArray) -> None:
+        import xarray as xr
+
+        name = "yaw_amplitude"
+        dims: tuple[str, ...] = ()
+        if not isinstance(values, xr.DataArray):
+            table = np.array(finite(name, values, "rad"))
+        else:
+            table, dims = np.asarray(values, dtype=float), tuple(map(str, values.dims))
+            sizes = dict(zip(dims, table.shape, strict=True))
+            if not sizes.items() <= self.gait_sizes.items():
+                raise ParameterError(
+                    f"{name} has the dimensions {sizes}: they must be of the sweep's gaits, "
+                    f"{self.gait_sizes}."
+                )
+            for dim in dims:
+                if dim in values.coords and not np.array_equal(values[dim], self.coords[dim][1]):
+                    raise ParameterError(f"{name} has other values of {dim} than the sweep.")
+            if np.isinf(table).any():
+                raise ParameterError(f"{name} has an infinite value: give numbers, or NaN.")
+        self._yaw = dims, table
+        self.coords["yaw_model_amplitude"] = (dims, table, _attributes(name))
+
+    def gaits(self, first: int, last: int) -> tuple[Gaits, Array | None]:
+        """Gaits first, ..., last - 1 of one robot, and yaw amplitudes, as the engine takes them."""
         from rrrobot.momentum.batch import Gaits
 
         sizes, number = self.gait_sizes, np.arange(first, last)
@@ -333,9 +435,13 @@ class _Plan:
 
         legs = len(self.legs)
         frequency = table("angular_frequency", 1).ravel()
-        return Gaits(
-            table("offset", legs), table("amplitude", legs), table("phase", legs), frequency
-        )
+        offset, amplitude, phase = (table(name, legs) for name in _PER_LEG)
+        gaits = Gaits(offset, amplitude, phase, frequency)
+        if self._yaw is None:
+            return gaits, None
+        dims, values = self._yaw
+        yaw = np.broadcast_to(values[tuple(place[dim] for dim in dims)], number.shape)[:, None]
+        return gaits, np.where(np.isnan(yaw), gaits.amplitude, yaw)
 
     def _axis(self, quantity: str, grid: Any, leg: str = "") -> _Source:
         """Make a dimension of a grid, a scalar coordinate of a number."""
@@ -416,7 +522,7 @@ class _Variants:
         base: the robot's own parameters; None if it is no RRRobot.
     """
 
-    def __init__(self, model: Model, grids: Mapping[str, ArrayLike]) -> None:
+    def __init__(self, model: Swept, grids: Mapping[str, ArrayLike]) -> None:
         self._model = model
         self._grids = {name: np.atleast_1d(np.asarray(grid)) for name, grid in grids.items()}
         self._last: tuple[int, tuple[Engine, Any, Robot]] | None = None
@@ -439,8 +545,7 @@ class _Variants:
                 place = np.unravel_index(number, shape)
                 pairs = zip(self._grids.items(), place, strict=True)
                 values = {name: float(grid[i]) for (name, grid), i in pairs}
-                robot = Robot.from_parameters(self._parameters(values))
-                model = type(model)(robot, damping=model.damping)  # type: ignore[call-arg]
+                model = remade(model, Robot.from_parameters(self._parameters(values)))
             self._last = number, (*engine_of(model), model.robot)
         return self._last[1]
 
@@ -495,7 +600,7 @@ class _Job:
         self,
         plan: _Plan,
         variants: _Variants,
-        run: dict[str, int],
+        run: dict[str, Any],
         layout: Layout,
         file: ResultsFile | None,
     ) -> None:
@@ -517,8 +622,9 @@ class _Job:
         try:
             for first, last in pending(self.columns["status"], size, chunk):
                 engine, setting, robot = self._variants.at(first // size)
-                gaits = self._plan.gaits(first % size, (last - 1) % size + 1)
-                future = executor.submit(engine, setting, gaits, **self._run)
+                gaits, yaw = self._plan.gaits(first % size, (last - 1) % size + 1)
+                more: dict[str, Any] = {} if yaw is None else {"yaw_amplitude": yaw}
+                future = executor.submit(partial(engine, setting, gaits, **self._run, **more))
                 running[future] = first, clearance(robot, gaits)
                 while len(running) >= at_once:
                     self._collect(running, tell)
@@ -605,7 +711,7 @@ def _warn_of_ground(heights: Array) -> None:
         )
 
 
-def _attrs(model: Model, base: RRRobotParameters | None, run: dict[str, int]) -> dict[str, Any]:
+def _attrs(model: Swept, base: RRRobotParameters | None, run: dict[str, int]) -> dict[str, Any]:
     """What a dataset says of itself."""
     from llvmlite import binding  # type: ignore[import-untyped, unused-ignore]
 

@@ -32,6 +32,7 @@ STATUS = {
     0: "steady_state",
     1: "pitch_reached_90_degrees",
     2: "value_not_finite",
+    3: "lifts_off",
 }
 """What the numbers of the variable `status` mean; results are NaN unless it is 0."""
 
@@ -52,6 +53,7 @@ VARIABLES = {
     "pitch_mean": ("rad", "mean pitch"),
     "yaw_mean": ("rad", "mean yaw"),
     "variation": ("1", "largest deviation of one cycle's step from the mean step, over that"),
+    "normal_force": ("N", "least normal force of the ground in the last cycle"),
     "clearance": ("m", "least height of the legs' masses over the swing, body upright"),
 }
 """Unit and long name of each variable; amplitudes and phases are of the first harmonic."""
@@ -263,10 +265,9 @@ def _differences(found: xr.Dataset, layout: Layout) -> Iterator[str]:
         if (coord in found.coords) != (coord in ours.coords):
             yield f"{coord} (only {'there' if coord in found.coords else 'here'})"
             continue
-        values = [np.asarray(ds[coord]) for ds in (found, ours)]
-        if values[0].shape == values[1].shape and not np.array_equal(values[0], values[1]):
-            there, here = (_shown(value.tolist()) for value in values)
-            yield f"{coord} ({there} there, {here} here)"
+        a, b = (np.asarray(ds[coord]) for ds in (found, ours))
+        if a.shape == b.shape and not np.all((a == b) | ((a != a) & (b != b))):
+            yield f"{coord} ({_shown(a.tolist())} there, {_shown(b.tolist())} here)"
     if missing := sorted(map(str, ours.data_vars.keys() - found.data_vars.keys())):
         yield f"its variables: it has no {', '.join(missing)}"
 

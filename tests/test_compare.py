@@ -128,6 +128,15 @@ def test_cycle_means_of_a_known_path(circular):
     assert means[k - first, 0] == pytest.approx(np.trapezoid(x, fine) / t.period, abs=2e-5)
 
 
+def test_every_models_motion_is_filmed_and_saved(circular, tmp_path):
+    for name, motion in circular.trajectories.items():
+        film = rr.record(motion, tmp_path / f"{name}.html")
+        assert film.stat().st_size > 100_000
+        again = rr.Trajectory.load(motion.save(tmp_path / f"{name}.npz"))
+        np.testing.assert_array_equal(again.configuration, motion.configuration)
+        assert again.model_name == motion.model_name
+
+
 def test_command_line(tmp_path):
     run = CliRunner().invoke
     result = run(cli, ["compare", "--duration", "8", "--json", "--out", str(tmp_path / "figs")])

@@ -177,6 +177,27 @@ def test_paper_coordinates_mass_and_coriolis(robot):
         np.testing.assert_allclose(skew, -skew.T, atol=1e-10)
 
 
+def test_free_flyer_equations(robot):
+    """M a + C v + G is Pinocchio's inverse dynamics; M_dot - 2 C is skew-symmetric."""
+    model = rr.FullModel(robot)
+    rng = np.random.default_rng(2)
+    q = pin.integrate(model.model, pin.neutral(model.model), rng.normal(size=8))
+    v, a = rng.normal(size=(2, 8))
+    terms = model.equations(q, v)
+    rnea = pin.rnea(model.model, model.data, q, v, a)
+    np.testing.assert_allclose(
+        terms.mass_matrix @ a + terms.coriolis @ v + terms.gravity, rnea, atol=1e-13
+    )
+    h = 1e-4
+
+    def mass(s):
+        return model.equations(pin.integrate(model.model, q, s * v), v).mass_matrix
+
+    rate = (8 * (mass(h) - mass(-h)) - (mass(2 * h) - mass(-2 * h))) / (12 * h)
+    skew = rate - 2 * terms.coriolis
+    np.testing.assert_allclose(skew, -skew.T, atol=1e-10)
+
+
 def test_paper_coordinates_need_the_papers_robot():
     for robot in (random_robot(0), rr.Robot.from_parameters(ground_normal=(0.1, 0, 1))):
         with pytest.raises(rr.ModelError, match="paper's coordinates"):

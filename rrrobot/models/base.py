@@ -67,6 +67,17 @@ class Dynamics(NamedTuple):
     """Pinocchio's velocity (nv,)"""
 
 
+class Equations(NamedTuple):
+    """Terms of M a + C v + G = tau + J^T f in a model's Pinocchio coordinates."""
+
+    mass_matrix: Array
+    """M(q) (nv, nv)"""
+    coriolis: Array
+    """C(q, v) (nv, nv); M_dot - 2 C is skew-symmetric"""
+    gravity: Array
+    """G(q) (nv,)"""
+
+
 class Model(ABC):
     """A robot's equations of motion under one set of simplifications.
 
@@ -208,6 +219,23 @@ class Model(ABC):
             force = self.support_force(q, v, acceleration)
         torque = multipliers[multipliers.size - self.n_legs :] if leg_torque is None else leg_torque
         return Dynamics(acceleration, force, torque, q, v)
+
+    def equations(self, q: Array, v: Array) -> Equations:
+        """M, C and G at Pinocchio's q (nq,) and v (nv,): eq (1), (6) or (11) without the right side.
+
+        Example:
+            >>> import numpy as np, rrrobot as rr
+            >>> model = rr.FullModel(rr.Robot.from_parameters())
+            >>> q = model.configuration((0, 0, 0, 1, 0, 0), (1.57, 1.57))
+            >>> terms = model.equations(q, np.zeros(8))
+            >>> terms.gravity[2].round(4)  # the weight [N]
+            np.float64(5.1012)
+        """
+        return Equations(
+            np.array(pin.crba(self.model, self.data, q)),
+            np.array(pin.computeCoriolisMatrix(self.model, self.data, q, v)),
+            np.array(pin.computeGeneralizedGravity(self.model, self.data, q)),
+        )
 
     def support_force(self, q: Array, v: Array, acceleration: Array) -> Array:
         """Force that holds the robot, from Newton's law: d(momentum)/dt - m g (3,) [N]."""

@@ -6,7 +6,6 @@ from math import sqrt
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, vector
@@ -174,9 +173,7 @@ class FullModel(Model):
 
         configuration = self.configuration(self.make_pose(euler, q[:2]), q[5:])
         v = to_v @ q_dot
-        mass = pin.crba(self.model, self.data, configuration)
-        coriolis = pin.computeCoriolisMatrix(self.model, self.data, configuration, v)
-        gravity = pin.computeGeneralizedGravity(self.model, self.data, configuration)
+        mass, coriolis, gravity = self.equations(configuration, v)
         omega = np.zeros((2, n))
         omega[0, :5] = (1, 0, 0, 0, 0)
         omega[0, 2:4] = -radius * cp * sy, -radius * cy
