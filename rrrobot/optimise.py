@@ -155,6 +155,8 @@ def search(evaluator: Evaluator, task: Task, rng: np.random.Generator) -> Array:
             starts = best_points(points[first:], task.scores(table)[first:], _POLISHED)
             for start in starts:
                 polish(evaluator, task, start)
+            if task.goal.tolerance > 0 and not tight.valid(tight.scores(table)).any():
+                polish(evaluator, task, starts[0], nearest=True)
             best = float(tight.scores(evaluator.archive()[1]).min())
             if best > before - 1e-4 * abs(before):
                 break

@@ -337,7 +337,8 @@ class TargetMotion(Goal):
         if self.curvature is not None:
             turn = (table.curvature - self.curvature) / max(abs(self.curvature), 0.1)
         else:
-            turn = (table.yaw_rate - self.yaw_rate) / max(abs(self.yaw_rate or 0.0), 1e-3)
+            rate = self.yaw_rate or 0.0
+            turn = (table.yaw_rate - rate) / max(abs(rate), 1e-3)
         return np.column_stack((table.speed / self.speed - 1.0, turn))
 
     def shortfall(self, table: Table) -> str:

@@ -19,14 +19,16 @@ Progress = Callable[[int, int], None]
 """Called with the gaits simulated so far and the budget."""
 
 _MISSED, _INVALID, _STOPPED = 1e6, 1e9, 1e15
-_ROUNDING = ("max_variation", "swing")
-"""Limits without a margin, and those that a polish leaves to the final check."""
+_EXACT = ("max_variation", "swing")
 _MARGIN = 2e-3
+"""Distance that gaits keep from limits but those."""
 _STEP = 1e-4
 """Of central differences, in the scaled box."""
+_TOGETHER = 2e-3
+"""Width of a population, in the scaled box, at which a global search ends."""
 
 
-class Spent(Exception):  # noqa: N818
+class Spent(Exception):
     """The budget does not allow another batch."""
 
 
@@ -91,7 +93,7 @@ class Task(NamedTuple):
     def slacks(self, table: Table, margin: float = _MARGIN) -> dict[str, Array]:
         """How far inside each limit the gaits are (n,), of order one."""
         found = {
-            name: slack - margin * (name not in _ROUNDING)
+            name: slack - margin * (name not in _EXACT)
             for name, (slack, _) in self.limits.slack(
                 table, self.weight, self.largest_swing
             ).items()
@@ -117,7 +119,10 @@ class Task(NamedTuple):
 
 
 def global_search(evaluator: Evaluator, task: Task, rng: np.random.Generator, budget: int) -> None:
-    """Differential evolution within a budget of gaits; the results are in the archive."""
+    """Differential evolution within a budget of gaits; the results are in the archive.
+
+    It ends early when its population has drawn together.
+    """
     from scipy.optimize import differential_evolution
 
     n = evaluator.space.n
@@ -126,20 +131,27 @@ def global_search(evaluator: Evaluator, task: Task, rng: np.random.Generator, bu
     if generations < 1:
         evaluator(latin_hypercube(rng, min(budget, size), n))
         return
-    differential_evolution(
-        lambda x: task.scores(evaluator(x.T)),
-        [(0.0, 1.0)] * n,
-        init=latin_hypercube(rng, size, n),
-        maxiter=generations,
-        tol=1e-6,
-        atol=1e-12,
-        mutation=(0.4, 0.9),
-        recombination=0.8,
-        seed=rng,
-        polish=False,
-        updating="deferred",
-        vectorized=True,
-    )
+    options: dict[str, Any] = {
+        "init": latin_hypercube(rng, size, n),
+        "maxiter": generations,
+        # Scores jump, so their spread says nothing; see `drawn_together`.
+        "tol": 0.0,
+        "mutation": (0.4, 0.9),
+        "recombination": 0.8,
+        "seed": rng,
+        "polish": False,
+        "updating": "deferred",
+        "vectorized": True,
+    }
+
+    def scores(points: Any) -> Any:
+        return task.scores(evaluator(points.T))
+
+    def drawn_together(intermediate_result: Any) -> bool:
+        return bool(np.ptp(intermediate_result.population, axis=0).max() < _TOGETHER)
+
+    box: Any = [(0.0, 1.0)] * n
+    differential_evolution(scores, box, callback=drawn_together, **options)
 
 
 def latin_hypercube(rng: np.random.Generator, size: int, n: int) -> Array:
@@ -160,56 +172,54 @@ def best_points(points: Array, scores: Array, count: int, distance: float = 0.1)
     return np.array(chosen)
 
 
-def polish(evaluator: Evaluator, task: Task, point: Array, iterations: int = 60) -> None:
+def polish(
+    evaluator: Evaluator,
+    task: Task,
+    point: Array,
+    *,
+    nearest: bool = False,
+    iterations: int = 60,
+) -> None:
     """Sequential quadratic programming from a point; the results are in the archive.
 
-    Gradients are central differences, simulated side by side. A target is an equality, unless the
-    point is far from it: then the distance from it is minimised.
+    Gradients are central differences, simulated side by side. A target is an equality, or, with
+    `nearest`, the distance from it is minimised.
     """
     from scipy.optimize import minimize
 
-    local = _Local(evaluator, task, point)
+    local = _Local(evaluator, task, point, nearest)
     low, high = evaluator.space.box()
-    constraints: list[dict[str, Any]] = [
-        {
-            "type": "ineq",
-            "fun": lambda x: local(x)[0]["slack"],
-            "jac": lambda x: local(x)[1]["slack"],
-        }
-    ]
+
+    def part(name: str, order: int = 0) -> Callable[[Array], Array]:
+        return lambda x: local(x)[order][name]
+
+    constraints = [{"type": "ineq", "fun": part("slack"), "jac": part("slack", 1)}]
     if local.equality:
-        constraints.append(
-            {
-                "type": "eq",
-                "fun": lambda x: local(x)[0]["miss"],
-                "jac": lambda x: local(x)[1]["miss"],
-            }
-        )
-    minimize(
-        lambda x: local(x)[0]["objective"],
-        point,
-        jac=lambda x: local(x)[1]["objective"],
-        bounds=list(zip(low, high, strict=True)),
-        constraints=constraints,
-        method="SLSQP",
-        options={"maxiter": iterations, "ftol": 1e-9},
-    )
+        constraints.append({"type": "eq", "fun": part("miss"), "jac": part("miss", 1)})
+    problem: dict[str, Any] = {
+        "fun": part("objective"),
+        "jac": part("objective", 1),
+        "bounds": list(zip(low, high, strict=True)),
+        "constraints": constraints,
+        "method": "SLSQP",
+        "options": {"maxiter": iterations, "ftol": 1e-9},
+    }
+    minimize(x0=point, **problem)
 
 
 class _Local:
     """Objective, limits and misses about a point, with their gradients."""
 
-    def __init__(self, evaluator: Evaluator, task: Task, point: Array) -> None:
-        self.evaluator, self.task = evaluator, task
+    def __init__(self, evaluator: Evaluator, task: Task, point: Array, nearest: bool) -> None:
+        self.evaluator, self.task, self.nearest = evaluator, task, nearest
         self.low, self.high = evaluator.space.box()
         self.at: Array | None = None
         table = evaluator(point[None])
-        misses = task.goal.misses(table)
-        self.equality = misses is not None and float(np.abs(misses).max()) < 0.2
-        self.targeted = misses is not None
+        self.equality = task.goal.misses(table) is not None and not nearest
         self.scale = max(abs(float(task.goal.objective(table)[0])), 1e-9)
 
     def __call__(self, x: Array) -> tuple[dict[str, Array], dict[str, Array]]:
+        """Values and gradients by name."""
         if self.at is None or not np.array_equal(self.at, x):
             n = x.size
             ahead = np.minimum(x + _STEP, self.high) - x
@@ -226,13 +236,14 @@ class _Local:
     def _values(self, table: Table) -> dict[str, Array]:
         task = self.task
         slacks = [s for name, s in task.slacks(table).items() if name != "max_variation"]
+        values = {"slack": np.column_stack(slacks)}
         misses = task.goal.misses(table)
-        objective = task.goal.objective(table) / self.scale
-        if self.targeted and not self.equality:
-            objective = (np.asarray(misses) ** 2).sum(axis=1)
-        values = {"objective": objective, "slack": np.column_stack(slacks)}
-        if self.equality:
-            values["miss"] = np.asarray(misses)
+        if misses is not None and self.nearest:
+            values["objective"] = (misses**2).sum(axis=1)
+        else:
+            values["objective"] = task.goal.objective(table) / self.scale
+        if misses is not None and self.equality:
+            values["miss"] = misses
         # A gait that stopped must not poison the step that led to it.
         return {
             name: np.nan_to_num(v, nan=1e3, posinf=1e3, neginf=-1e3) for name, v in values.items()

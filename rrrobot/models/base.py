@@ -221,7 +221,7 @@ class Model(ABC):
         return Dynamics(acceleration, force, torque, q, v)
 
     def equations(self, q: Array, v: Array) -> Equations:
-        """M, C and G at Pinocchio's q (nq,) and v (nv,): eq (1), (6) or (11) without the right side.
+        """M, C and G at Pinocchio's q (nq,) and v (nv,): the left side of eqs (1), (6) and (11).
 
         Example:
             >>> import numpy as np, rrrobot as rr
