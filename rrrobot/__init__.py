@@ -45,6 +45,7 @@ from rrrobot.errors import (
     SimulationInterrupted,
     UrdfError,
 )
+from rrrobot.example_robots import example_robots
 from rrrobot.gaits import (
     CallableGait,
     FourierGait,
@@ -67,7 +68,7 @@ from rrrobot.oscillations import (
     table_3,
 )
 from rrrobot.parameters import RRRobotParameters
-from rrrobot.robot import Robot, example_robots
+from rrrobot.robot import Robot
 from rrrobot.rolling import contact_path, contact_velocity, sphere_contact_rate
 from rrrobot.simulate import simulate
 from rrrobot.steady_state import SteadyState

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 import sys
 from collections.abc import Sequence
@@ -19,7 +18,6 @@ from rrrobot.cli_report import to_json
 from rrrobot.cli_types import NUMBER
 from rrrobot.compare import MODELS, Comparison, compare
 from rrrobot.errors import OutputError
-from rrrobot.files import write_whole
 from rrrobot.oscillations import table_3
 from rrrobot.table4 import PAPER, Table4, table_4
 
@@ -162,18 +160,14 @@ def _table_4(table: Table4) -> str:
 
 def _figures(found: Comparison, folder: Path) -> list[Path]:
     from rrrobot.figures.comparison import contact_paths, rolling_shell, single_axis
+    from rrrobot.figures.style import write_figure
 
     figures = {
         "paths.png": contact_paths(found, tuple(found.trajectories)[:3]),
         "angles.png": single_axis(found),
         "rolling.png": rolling_shell(found.trajectories["full"]),
     }
-    written = []
-    for name, figure in figures.items():
-        stream = io.BytesIO()
-        figure.savefig(stream, format="png", dpi=150)
-        written.append(write_whole(folder / name, stream.getvalue()))
-    return written
+    return [write_figure(figure, folder / name) for name, figure in figures.items()]
 
 
 def _folder(name: str) -> Path:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import re
 from pathlib import Path
 from typing import Any
@@ -30,7 +29,7 @@ from rrrobot.cli_options import (
 from rrrobot.cli_report import summary, table, to_json
 from rrrobot.decoupled import decoupled
 from rrrobot.errors import OutputError, SimulationError
-from rrrobot.files import check_writable, write_whole
+from rrrobot.files import check_writable
 from rrrobot.gaits import Gait
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.robot import Robot
@@ -141,20 +140,14 @@ def write_outputs(trajectory: Trajectory, files: dict[str, Path]) -> list[Path]:
     if "save" in files:
         written.append(trajectory.save(files["save"]))
     if "plot" in files:
-        written.append(write_plot(trajectory, files["plot"]))
+        from rrrobot.figures.style import write_figure
+
+        written.append(write_figure(trajectory.plot("all"), files["plot"]))
     if "html" in files:
         from rrrobot.viewer import record
 
         written.append(record(trajectory, files["html"]))
     return written
-
-
-def write_plot(trajectory: Trajectory, path: Path) -> Path:
-    """All plots of a trajectory in one file."""
-    stream = io.BytesIO()
-    kind = path.suffix.lower().removeprefix(".")
-    trajectory.plot("all").savefig(stream, format=kind, dpi=150)
-    return write_whole(path, stream.getvalue())
 
 
 def checked_file(key: str, name: str) -> Path:

@@ -14,9 +14,10 @@ from rrrobot.cli_report import to_json
 from rrrobot.cli_simulate import checked_file
 from rrrobot.cli_types import NUMBER
 from rrrobot.errors import MissingExtraError
+from rrrobot.example_robots import example_robots
 from rrrobot.gaits import gait as named_gait
 from rrrobot.models.full import FullModel
-from rrrobot.robot import Robot, example_robots
+from rrrobot.robot import Robot
 from rrrobot.simulate import simulate
 from rrrobot.trajectory import Trajectory
 

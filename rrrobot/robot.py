@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -13,14 +12,13 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite, vector
-from rrrobot.errors import MissingExtraError, ParameterError, ShellError, UrdfError
+from rrrobot.errors import ParameterError, ShellError, UrdfError
+from rrrobot.example_robots import example_urdf
+from rrrobot.joints import build_model, check_masses, movable_joints
 from rrrobot.parameters import RRRobotParameters
 from rrrobot.surfaces import SHELL_FRAME, Sphere, Surface, surface_from_dict
 from rrrobot.urdf import LEGS, rrrobot_urdf
-from rrrobot.urdf_reader import parse_urdf, read_urdf, root_link, urdf_text
-
-# Pinocchio's memory grows with the cube of the freedoms: 240 MB here, tens of GB for 1000.
-_MAX_LEGS = 150
+from rrrobot.urdf_reader import parse_urdf, read_urdf, root_link
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -85,7 +83,7 @@ class Robot:
         model.gravity.linear = np.array((0.0, 0.0, -self.gravity))
         set_field(self, "name", model.name)
         set_field(self, "shell_placement", _add_shell_frame(model, self))
-        _check_masses(model)
+        check_masses(model)
         set_field(self, "model", model)
 
     @classmethod
@@ -149,7 +147,7 @@ class Robot:
             ('leg_1', 'leg_2')
         """
         text = read_urdf(source)
-        every = _movable_joints(text)
+        every = movable_joints(text)
         free = tuple(name for name in every if name not in (locked or {}))
         chosen = free if legs is None else _leg_names(legs)
         _refuse_mimics(text, chosen)
@@ -186,7 +184,7 @@ class Robot:
             MissingExtraError: the extra is not installed.
             UrdfError: no such robot.
         """
-        path, package_dir = _example_urdf(name)
+        path, package_dir = example_urdf(name)
         return cls.from_urdf(path, shell=shell, package_dirs=(package_dir,), **options)
 
     @property
@@ -237,92 +235,6 @@ class Robot:
         return hash((self.urdf, self.shell, self.legs))
 
 
-class JointIndex:
-    """Where named one-degree-of-freedom joints stand in q and v of a Pinocchio model.
-
-    A `continuous` joint takes (cos, sin) in q, every other joint its coordinate.
-
-    Attributes:
-        v: index of each joint in the velocity, shape (joints,).
-    """
-
-    def __init__(self, model: pin.Model, names: Sequence[str]) -> None:
-        joints = [model.joints[model.getJointId(name)] for name in names]
-        self.v = np.array([joint.idx_v for joint in joints], dtype=int)
-        self._q = np.array([joint.idx_q for joint in joints], dtype=int)
-        wide = np.array([joint.nq == 2 for joint in joints], dtype=bool)
-        self._wide = np.flatnonzero(wide)
-        self._plain = np.flatnonzero(~wide)
-
-    def write(self, q: Array, angles: Array) -> None:
-        """Put joint coordinates (joints,) [rad or m] into q, in place."""
-        if self._wide.size == 0:
-            q[self._q] = angles
-            return
-        q[self._q[self._plain]] = angles[self._plain]
-        q[self._q[self._wide]] = np.cos(angles[self._wide])
-        q[self._q[self._wide] + 1] = np.sin(angles[self._wide])
-
-
-def build_model(
-    urdf: str, root_joint: Any, legs: Sequence[str], locked: Mapping[str, float]
-) -> pin.Model:
-    """Pinocchio model of a URDF text with the `locked` joints held at their positions.
-
-    Raises:
-        UrdfError: Pinocchio cannot read it, a name is missing, a joint has several freedoms.
-    """
-    # Pinocchio's own parser drops some malformed parts without a word and stops the process on
-    # others; check first, and hand on what was checked.
-    text = urdf_text(parse_urdf(urdf))
-    try:
-        model = (
-            pin.buildModelFromXML(text)
-            if root_joint is None
-            else pin.buildModelFromXML(text, root_joint)
-        )
-    except (ValueError, RuntimeError) as error:
-        raise UrdfError(
-            f"Pinocchio cannot read the URDF: {error} Its parser says why on the standard error."
-        ) from None
-    movable = [name for name in model.names[1:] if name != "root_joint"]
-    for name in (*legs, *locked):
-        if name not in movable:
-            raise UrdfError(
-                f"the robot has no movable joint {name!r}. Its movable joints are: "
-                f"{', '.join(movable) or 'none'}."
-            )
-    for name in movable:
-        joint = model.joints[model.getJointId(name)]
-        if joint.nv != 1:
-            raise UrdfError(
-                f"joint {name!r} has {joint.nv} degrees of freedom: each joint of the tree must "
-                "have one (revolute, continuous or prismatic)."
-            )
-    if locked:
-        q = pin.neutral(model)
-        index = JointIndex(model, list(locked))
-        index.write(q, np.array(list(locked.values())))
-        model = pin.buildReducedModel(model, [model.getJointId(name) for name in locked], q)
-    return model
-
-
-def example_robots() -> tuple[str, ...]:
-    """Names that `Robot.from_example` takes (extra `robots`).
-
-    Example:
-        >>> import rrrobot as rr
-        >>> "solo12" in rr.example_robots()
-        True
-    """
-    return tuple(sorted(n for n, loader in _example_loaders().items() if loader.urdf_filename))
-
-
-def _movable_joints(text: str) -> tuple[str, ...]:
-    model = build_model(text, pin.JointModelFreeFlyer(), (), {})
-    return tuple(name for name in model.names if name not in ("universe", "root_joint"))
-
-
 def _refuse_mimics(text: str, legs: Sequence[str]) -> None:
     """A mimic joint would move by itself as a leg of its own."""
     for joint in parse_urdf(text).findall("joint"):
@@ -345,26 +257,6 @@ def _remake(parts: dict[str, Any]) -> Robot:
     return Robot(**parts)
 
 
-def _check_masses(model: pin.Model) -> None:
-    legs = model.nv - 6
-    if legs > _MAX_LEGS:
-        raise UrdfError(
-            f"the robot has {legs} moving joints: the limit is {_MAX_LEGS}; name fewer legs, and "
-            "the other joints are held."
-        )
-    mass = float(pin.computeTotalMass(model))
-    if not (math.isfinite(mass) and mass > 0):
-        raise UrdfError(f"the robot's total mass is {mass} kg: it must be above zero.")
-    matrix = pin.crba(model, model.createData(), pin.neutral(model))
-    if not np.all(np.isfinite(matrix)):
-        raise UrdfError("the robot's mass matrix is not finite: a mass or a length is too large.")
-    values = np.linalg.eigvalsh(matrix)
-    if values[0] < -1e-9 * values[-1]:
-        raise UrdfError(
-            "the robot's mass matrix is not positive: an <inertia> has a negative principal moment."
-        )
-
-
 def _add_shell_frame(model: pin.Model, robot: Robot) -> pin.SE3:
     """Add SHELL_FRAME to the model; return its placement in the base frame."""
     if model.existFrame(SHELL_FRAME):
@@ -384,25 +276,3 @@ def _add_shell_frame(model: pin.Model, robot: Robot) -> pin.SE3:
     placement = link.placement * pin.SE3(np.eye(3), robot.shell_center)
     model.addFrame(pin.Frame(SHELL_FRAME, 1, placement, pin.FrameType.OP_FRAME))
     return placement
-
-
-def _example_loaders() -> dict[str, Any]:
-    try:
-        from example_robot_data.robots_loader import ROBOTS
-    except ImportError as error:
-        raise MissingExtraError(
-            "example robots need the extra 'robots': pip install 'rrrobot[robots]'."
-        ) from error
-    return dict(ROBOTS)
-
-
-def _example_urdf(name: str) -> tuple[Path, Path]:
-    known = example_robots()
-    if name not in known:
-        raise UrdfError(f"there is no example robot {name!r}; there are: {', '.join(known)}.")
-    from example_robot_data.robots_loader import getModelPath
-
-    loader = _example_loaders()[name]
-    relative = Path(loader.path, loader.urdf_subpath, loader.urdf_filename)
-    folder = Path(loader.model_path or getModelPath(str(relative)))
-    return folder / relative, folder.parent.parent

@@ -74,7 +74,7 @@ class LegTorques:
     ) -> None:
         # One angle for all legs leaves their number to the torques.
         sized = torque if np.ndim(angle) == 0 and not callable(torque) else angle
-        self.n_legs = max(int(np.size(sized)), 1)  # type: ignore[arg-type]
+        self.n_legs = max(int(np.size(sized)), 1)
         self.angle = vector("angle", angle, self.n_legs, "rad", broadcast=True, error=GaitError)
         self.rate = vector("rate", rate, self.n_legs, "rad/s", broadcast=True, error=GaitError)
         self.feedback = feedback

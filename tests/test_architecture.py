@@ -17,6 +17,8 @@ ORDER = [
     "surfaces",
     "urdf_reader",
     "urdf",
+    "joints",
+    "example_robots",
     "robot",
     "gaits",
     "torques",

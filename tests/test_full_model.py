@@ -10,28 +10,7 @@ import rrrobot as rr
 from rrrobot.rotations import body_rates_matrix, body_rates_matrix_rate, rotation_from_quaternion
 from tests import derivations
 from tests.random_robot import random_robot, random_state
-
-ODD = rr.RRRobotParameters(
-    leg_mass=(0.05, 0.08),
-    servo_mass=(0.04, 0.07),
-    leg_length=(0.11, 0.07),
-    hip_offset=0.09,
-    battery_mass=0.25,
-    shell_radius=0.13,
-    gravity=9.5,
-)
-
-
-def point_masses(p: rr.RRRobotParameters) -> derivations.PointMassRobot:
-    return derivations.PointMassRobot(
-        battery_mass=p.battery_mass,
-        servo_masses=p.servo_masses,
-        leg_masses=p.leg_masses,
-        leg_lengths=p.leg_lengths,
-        shell_radius=p.shell_radius,
-        hip_offset=p.hip_offset,
-        gravity=p.gravity,
-    )
+from tests.twins import TABLE_2, UNEQUAL, library_robot
 
 
 @pytest.fixture(scope="module")
@@ -53,14 +32,13 @@ def test_reference_state(robot):
     np.testing.assert_allclose(found.leg_torque, (0.04610733, 0.02238164), atol=1e-8)
 
 
-@pytest.mark.parametrize("parameters", [rr.RRRobotParameters(), ODD], ids=["Table 2", "odd"])
+@pytest.mark.parametrize("masses", [TABLE_2, UNEQUAL], ids=["Table 2", "unequal"])
 @pytest.mark.parametrize("driven", [False, True], ids=["prescribed", "torques"])
-def test_against_point_mass_kane(parameters, driven):
+def test_against_point_mass_kane(masses, driven):
     rng = np.random.default_rng(11)
-    masses = point_masses(parameters)
     kappa, on_legs = (0.01, 0.02, 0.03), 0.004
     damping = rr.EulerRateDamping(*kappa, legs=on_legs)
-    model = rr.FullModel(rr.Robot.from_parameters(parameters), damping=damping)
+    model = rr.FullModel(library_robot(masses), damping=damping)
     for _ in range(20):
         theta, rates = rng.uniform(-1.2, 1.2, 3), 3 * rng.normal(size=3)
         phi, phi_dot = rng.uniform(-3, 3, 2), 3 * rng.normal(size=2)

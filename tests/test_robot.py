@@ -12,8 +12,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rrrobot as rr
-from rrrobot import robot as robot_module
-from rrrobot.robot import JointIndex, build_model
+from rrrobot import joints
+from rrrobot.joints import JointIndex, build_model
 from rrrobot.surfaces import SHELL_FRAME
 from tests.random_robot import random_robot, random_urdf
 from tests.strategies import directions, examples
@@ -416,7 +416,7 @@ def test_random_trees_keep_their_mass_and_legs(seed):
 
 
 def test_limit_of_the_legs(monkeypatch):
-    monkeypatch.setattr(robot_module, "_MAX_LEGS", 11)
+    monkeypatch.setattr(joints, "_MAX_LEGS", 11)
     with pytest.raises(rr.UrdfError, match="12 moving joints: the limit is 11"):
         random_robot(1)
     assert random_robot(1, legs=EVERY[:11]).n_legs == 11

@@ -6,7 +6,11 @@ Figures are made without pyplot, so nothing is registered globally and no window
 
 from __future__ import annotations
 
+import io
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from rrrobot.files import write_whole
 
 if TYPE_CHECKING:
     from matplotlib.artist import Artist
@@ -37,6 +41,13 @@ def new_figure(width: float = 6.4, height: float = 4.2) -> Figure:
     from matplotlib.figure import Figure
 
     return Figure(figsize=(width, height), layout="constrained")
+
+
+def write_figure(figure: Figure, path: Path) -> Path:
+    """Write a figure as its suffix says (.png, .pdf, .svg), whole or not at all."""
+    stream = io.BytesIO()
+    figure.savefig(stream, format=path.suffix.lower().removeprefix("."), dpi=150)
+    return write_whole(path, stream.getvalue())
 
 
 def new_axes() -> Axes:

@@ -31,7 +31,8 @@ from rrrobot.damping import Damping, DampingLike, as_damping
 from rrrobot.errors import ConstraintError, GaitError, ModelError
 from rrrobot.gaits import LegMotion
 from rrrobot.integrate import MAX_STEP
-from rrrobot.robot import JointIndex, Robot
+from rrrobot.joints import JointIndex
+from rrrobot.robot import Robot
 
 VERTICAL_PITCH = np.deg2rad(89.5)
 """Pitch at which a model stops that is singular at 90 degrees [rad]."""

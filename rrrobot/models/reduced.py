@@ -6,7 +6,8 @@ import numpy as np
 import pinocchio as pin
 
 from rrrobot.errors import ModelError
-from rrrobot.robot import Robot, build_model
+from rrrobot.joints import build_model
+from rrrobot.robot import Robot
 from rrrobot.surfaces import SHELL_FRAME, Sphere
 from rrrobot.urdf import CHAINS, ReducedKind, reduced_urdf
 
