@@ -25,8 +25,11 @@ format: .venv/.dev
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
-benchmark: .venv/.dev  ## speed, as printed by benchmarks/
-	$(BIN)/python benchmarks/full_model.py
+benchmark: .venv/.bench  ## speed and peers; writes benchmarks/results and docs/benchmarks.md
+	$(BIN)/python -m benchmarks.full_model
+	$(BIN)/python -m benchmarks.engine
+	$(BIN)/python -m benchmarks.peers
+	$(BIN)/python -m benchmarks.report
 
 urdf: .venv/.base  ## write urdf/*.urdf anew from the parameters
 	$(BIN)/python -c 'from rrrobot.urdf import main; main()'
@@ -47,3 +50,7 @@ clean:
 .venv/.dev: .venv/bin/pip pyproject.toml
 	$(BIN)/pip install -q -e '.[robots,dev]'
 	@touch $@ .venv/.base
+
+.venv/.bench: .venv/.dev
+	$(BIN)/pip install -q -e '.[robots,dev,bench]'
+	@touch $@

@@ -84,6 +84,10 @@ def plane(rows: int, columns: int) -> Plane:
     return Plane(offset.ravel(), phase.ravel())
 
 
+PAPER_GAITS = Plane(np.array([np.pi / 2, np.pi / 4]), np.array([np.pi / 2, np.pi / 2]))
+"""The lateral gait and the circular one."""
+
+
 class Motion(NamedTuple):
     """Speed [m/s] and yaw rate [rad/s] of gaits, each (n,)."""
 

@@ -23,6 +23,7 @@ from benchmarks.common import (
     CYCLES,
     KAPPA,
     OMEGA,
+    PAPER_GAITS,
     PERIOD,
     RESULTS,
     STEPS,
@@ -44,14 +45,13 @@ from benchmarks.common import (
     repeated,
     true_motion,
 )
+from benchmarks.contact import contact_checks
 from rrrobot.momentum.batch import setting_of
 from rrrobot.steady_state import steady_state
 
 BODY = rr.BodyRateDamping(KAPPA, KAPPA, KAPPA)
 TEN_MS = 79
 """Steps in a cycle that are nearest to 10 ms."""
-PAPER_GAITS = Plane(np.array([np.pi / 2, np.pi / 4]), np.array([np.pi / 2, np.pi / 2]))
-"""The lateral gait and the circular one."""
 
 
 def true_answer() -> list[dict[str, Any]]:
@@ -178,44 +178,6 @@ def kane_rows(
             )  # fmt: skip
             print(json.dumps(found[-1]), flush=True)
     return found
-
-
-def contact_checks() -> list[dict[str, Any]]:
-    """What each of MuJoCo's settings does to the circular gait and to a free rocking."""
-    from benchmarks.mujoco_peer import CASES, rocking_loss, sweep
-
-    true, found = true_motion(PAPER_GAITS.gaits()), []
-    for case in (c for c in CASES if not c.free_joint):
-        motion = sweep(case, PAPER_GAITS, threads=1).motion
-        found.append(
-            {
-                "name": case.name,
-                "lateral_speed_ratio": float(motion.speed[0] / true.speed[0]),
-                "circular_speed_ratio": float(motion.speed[1] / true.speed[1]),
-                "circular_yaw_rate_ratio": float(motion.yaw_rate[1] / true.yaw_rate[1]),
-                "energy_lost_roll": rocking_loss(case, "roll"),
-                "energy_lost_pitch": rocking_loss(case, "pitch"),
-            }
-        )
-    found.append({"name": "rrrobot"} | own_checks(true))
-    return found
-
-
-def own_checks(true: Motion) -> dict[str, float]:
-    """The same of the engine."""
-    ours = engine_motion(engine(setting_of(full_model()), PAPER_GAITS.gaits()))
-    result = {
-        "lateral_speed_ratio": float(ours.speed[0] / true.speed[0]),
-        "circular_speed_ratio": float(ours.speed[1] / true.speed[1]),
-        "circular_yaw_rate_ratio": float(ours.yaw_rate[1] / true.yaw_rate[1]),
-    }
-    still = rr.StillLegs((np.pi / 2, np.pi / 2))
-    model = rr.FullModel(rr.Robot.from_parameters(), damping=None)
-    for name, euler in (("roll", (0.3, 0.0, 0.0)), ("pitch", (0.0, 0.3, 0.0))):
-        t = rr.simulate(model, still, duration=30.0, start="rest", euler=euler, method="momentum")
-        rest = rr.simulate(model, still, duration=0.01, start="rest").energy[0]
-        result[f"energy_lost_{name}"] = float(1 - (t.energy[-1] - rest) / (t.energy[0] - rest))
-    return result
 
 
 def ratios(rows: list[dict[str, Any]]) -> dict[str, Any]:

@@ -29,6 +29,7 @@ from rrrobot.constraints import (
     rolling_null_space,
     rolling_projector,
 )
+from rrrobot.cycles import OptimalCycle, optimal_cycle
 from rrrobot.damping import BodyRateDamping, Damping, EulerRateDamping
 from rrrobot.decoupled import decoupled
 from rrrobot.errors import (
@@ -43,6 +44,7 @@ from rrrobot.errors import (
     ShellError,
     SimulationError,
     SimulationInterrupted,
+    SweepInterrupted,
     UrdfError,
 )
 from rrrobot.example_robots import example_robots
@@ -68,24 +70,42 @@ from rrrobot.oscillations import (
     table_3,
 )
 from rrrobot.parameters import RRRobotParameters
+from rrrobot.reduction import Connection, rotation_connection
+from rrrobot.reduction_checks import (
+    Controllability,
+    Reducibility,
+    controllability,
+    path_controllability,
+    reducibility,
+    weightless,
+)
+from rrrobot.reduction_heights import height_grid, zero_set
+from rrrobot.reduction_paths import LegMoves, one_leg_gait, out_of_phase_gait
+from rrrobot.reduction_yaw import net_yaw
 from rrrobot.robot import Robot
 from rrrobot.rolling import contact_path, contact_velocity, sphere_contact_rate
 from rrrobot.simulate import simulate
 from rrrobot.steady_state import SteadyState
 from rrrobot.surfaces import Ellipsoid, Sphere, Surface
+from rrrobot.sweep import sweep
+from rrrobot.sweep_models import DecoupledModels
 from rrrobot.table4 import Table4, table_4
 from rrrobot.torques import LegTorques, MotionState
 from rrrobot.trajectory import Trajectory
 from rrrobot.urdf import reduced_urdf, rrrobot_urdf, urdf_path
 from rrrobot.viewer import Viewer, record
+from rrrobot.yaw_planner import YawPlan, plan_yaw
 
 __all__ = [
     "BodyRateDamping",
     "CallableGait",
     "Comparison",
+    "Connection",
     "ConstraintError",
     "ConstraintRows",
+    "Controllability",
     "Damping",
+    "DecoupledModels",
     "Ellipsoid",
     "EulerRateDamping",
     "FourierGait",
@@ -96,11 +116,13 @@ __all__ = [
     "KKTSolution",
     "KKTSystem",
     "LegMotion",
+    "LegMoves",
     "LegTorques",
     "MissingExtraError",
     "Mode",
     "ModelError",
     "MotionState",
+    "OptimalCycle",
     "OutputError",
     "ParameterError",
     "PeriodRow",
@@ -110,6 +132,7 @@ __all__ = [
     "RRRobotError",
     "RRRobotParameters",
     "RampIn",
+    "Reducibility",
     "Robot",
     "RollModel",
     "RollingContact",
@@ -121,11 +144,13 @@ __all__ = [
     "SteadyState",
     "StillLegs",
     "Surface",
+    "SweepInterrupted",
     "Table4",
     "Trajectory",
     "UrdfError",
     "Viewer",
     "YawModel",
+    "YawPlan",
     "compare",
     "composite_period",
     "contact_drift",
@@ -133,30 +158,43 @@ __all__ = [
     "contact_path",
     "contact_point",
     "contact_velocity",
+    "controllability",
     "decoupled",
     "equilibrium",
     "example_robots",
     "gait",
+    "height_grid",
     "kkt_build",
     "kkt_solve",
     "matching_yaw_amplitude",
     "measured_period",
     "modes",
+    "net_yaw",
+    "one_leg_gait",
+    "optimal_cycle",
+    "out_of_phase_gait",
+    "path_controllability",
     "pitch_response",
+    "plan_yaw",
     "projected_acceleration",
     "record",
     "reduced_urdf",
+    "reducibility",
     "rolling_null_space",
     "rolling_pendulum_period",
     "rolling_projector",
+    "rotation_connection",
     "rrrobot_urdf",
     "simple_pendulum_period",
     "simulate",
     "sphere_contact_rate",
     "static_pitch",
+    "sweep",
     "table_3",
     "table_4",
     "urdf_path",
+    "weightless",
     "yaw_drift",
     "yaw_mass_matrix",
+    "zero_set",
 ]

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 import re
 import time
@@ -20,11 +19,11 @@ from rrrobot.cli_options import option_group, robot_options
 from rrrobot.cli_report import aligned, to_json
 from rrrobot.cli_types import Numbers, parse_number
 from rrrobot.errors import OutputError
-from rrrobot.files import write_whole
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.robot import Robot
-from rrrobot.sweep import LARGEST, DecoupledModels, Swept
+from rrrobot.sweep import LARGEST
 from rrrobot.sweep import sweep as run_sweep
+from rrrobot.sweep_models import DecoupledModels, Swept
 from rrrobot.sweep_store import STATUS
 
 if TYPE_CHECKING:
@@ -190,7 +189,8 @@ def sweep_command(**options: Any) -> None:
     )
     data = summary(ds, time.perf_counter() - started)
     files = [] if options["out"] is None else [Path(options["out"])]
-    if folder is not None and options["paper"] and options["model"] == "full":
+    plane = ds.speed.squeeze().dims == ("offset", "phase_difference") and not parameters
+    if folder is not None and plane and options["paper"] and options["model"] == "full":
         make = partial(_model, robot=robot, options=options)
         files += _write_figures(draw_paper(ds, make, grids, run), folder)
     elif folder is not None:
@@ -324,8 +324,11 @@ def draw_paper(
     decoupled = make(DECOUPLED)
     thin = slice(None, None, math.ceil(full.sizes["offset"] / _MOST_MODULATED))
     modulation = maps.amplitude_modulation(decoupled.robot, full.isel(offset=thin))
-    known = modulation.dropna("offset")
-    amplitude = full.offset.copy(data=np.interp(full.offset, known.offset, known))
+    known = modulation.dropna("offset").sortby("offset")
+    everywhere = np.full(full.sizes["offset"], np.nan)
+    if known.size:
+        everywhere = np.interp(full.offset, known.offset, known)
+    amplitude = full.offset.copy(data=everywhere)
     single = run_sweep(decoupled, **grids, **run, yaw_amplitude=amplitude)
     phases = maps.phase_difference(full), maps.phase_difference(pitch, yaw)
     return {
@@ -355,12 +358,9 @@ def _model(name: str, robot: Robot, options: Options) -> Swept:
 
 
 def _write_figures(figures: dict[str, Any], folder: Path) -> list[Path]:
-    written = []
-    for name, figure in figures.items():
-        stream = io.BytesIO()
-        figure.savefig(stream, format="png", dpi=150)
-        written.append(write_whole(folder / f"{name}.png", stream.getvalue()))
-    return written
+    from rrrobot.figures.style import write_figure
+
+    return [write_figure(figure, folder / f"{name}.png") for name, figure in figures.items()]
 
 
 def _folder(name: str, grids: dict[str, Any], parameters: dict[str, Any]) -> Path:

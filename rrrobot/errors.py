@@ -6,6 +6,8 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from rrrobot.trajectory import Trajectory
 
 
@@ -87,6 +89,17 @@ class SimulationError(RRRobotError, RuntimeError):
 
 class SimulationInterrupted(SimulationError, KeyboardInterrupt):
     """Ctrl-C during a simulation; `trajectory` holds what was computed."""
+
+
+class SweepInterrupted(RRRobotError, RuntimeError, KeyboardInterrupt):
+    """Ctrl-C during a sweep; `dataset` holds what was computed, the rest of it is NaN."""
+
+    def __init__(self, message: str, dataset: xr.Dataset | None = None) -> None:
+        super().__init__(message)
+        self.dataset = dataset
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), (str(self), self.dataset))
 
 
 class GroundClearanceWarning(UserWarning):

@@ -12,8 +12,9 @@ import json
 import math
 import os
 from collections.abc import Iterator, Mapping
+from io import FileIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,7 +142,7 @@ class ResultsFile:
             write_whole(self.path, content)
         check_writable(self.path)
         try:
-            self._stream: BinaryIO = self.path.open("r+b")
+            self._stream = self.path.open("r+b", buffering=0)
             self._begin = _begins(self._stream)
         except OSError as error:
             raise self._failure(error) from error
@@ -169,20 +170,18 @@ class ResultsFile:
             for name, column in columns.items():
                 if name != "status":
                     self._put(name, first, column)
-            self._flush()
+            os.fsync(self._stream.fileno())
             self._put("status", first, columns["status"])
-            self._flush()
+            os.fsync(self._stream.fileno())
         except OSError as error:
             raise self._failure(error) from error
 
     def _put(self, name: str, first: int, column: NDArray[Any]) -> None:
         kind = _on_disk(column)
         self._stream.seek(self._begin[name] + first * kind.itemsize)
-        self._stream.write(column.astype(kind).tobytes())
-
-    def _flush(self) -> None:
-        self._stream.flush()
-        os.fsync(self._stream.fileno())
+        rest = memoryview(column.astype(kind).tobytes())
+        while rest:
+            rest = rest[self._stream.write(rest) :]
 
     def _failure(self, error: OSError) -> OutputError:
         return OutputError(f"cannot write {str(self.path)!r}: {error.strerror or error}.")
@@ -212,7 +211,7 @@ def _on_disk(column: NDArray[Any]) -> np.dtype[Any]:
     return column.dtype.newbyteorder(">")
 
 
-def _begins(stream: BinaryIO) -> dict[str, int]:
+def _begins(stream: FileIO) -> dict[str, int]:
     """Where the values of each variable begin in a classic netCDF file [bytes]."""
 
     def number(size: int = 4) -> int:
@@ -256,17 +255,16 @@ def _differences(found: xr.Dataset, layout: Layout) -> Iterator[str]:
         if name not in ("title", "Conventions"):
             there, here = (_plain(ds.attrs.get(name)) for ds in (found, ours))
             yield from _unequal(name, there, here)
-    sizes = {str(name): size for name, size in found.sizes.items()}
-    for dim in sorted(sizes.keys() | layout.sizes.keys()):
-        pair = sizes.get(dim, 1), layout.sizes.get(dim, 1)
-        if pair[0] != pair[1]:
-            yield f"the number of values of {dim} ({pair[0]} there, {pair[1]} here)"
+    sizes = {str(dim): size for dim, size in found["status"].sizes.items()}
+    if list(sizes.items()) != list(layout.sizes.items()):
+        yield f"its dimensions ({_shown(sizes)} there, {_shown(layout.sizes)} here)"
+        return
     for coord in sorted(map(str, found.coords.keys() | ours.coords.keys())):
         if (coord in found.coords) != (coord in ours.coords):
             yield f"{coord} (only {'there' if coord in found.coords else 'here'})"
             continue
         a, b = (np.asarray(ds[coord]) for ds in (found, ours))
-        if a.shape == b.shape and not np.all((a == b) | ((a != a) & (b != b))):
+        if a.shape != b.shape or not np.all((a == b) | ((a != a) & (b != b))):
             yield f"{coord} ({_shown(a.tolist())} there, {_shown(b.tolist())} here)"
     if missing := sorted(map(str, ours.data_vars.keys() - found.data_vars.keys())):
         yield f"its variables: it has no {', '.join(missing)}"

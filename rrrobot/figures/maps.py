@@ -57,7 +57,7 @@ def value_map(
         the Axes.
 
     Raises:
-        ParameterError: not two dimensions of at least two values each, or no value.
+        ParameterError: not two dimensions of at least two values each.
 
     Example:
         >>> import numpy as np, rrrobot as rr
@@ -78,7 +78,11 @@ def value_map(
     ax.patch.set(hatch="////", edgecolor=GREY, linewidth=0.0)
     if values.attrs.get("units") == "rad":
         _mask_jumps(data, 180.0)
-    _contours(ax, columns, rows, data, (low, high))
+    if data.count():
+        _contours(ax, columns, rows, data, (low, high))
+    else:
+        ax.text(0.5, 0.5, "no value", transform=ax.transAxes, ha="center", va="center",
+                backgroundcolor="white")  # fmt: skip
     ax.set_xlim(columns.min(), columns.max())
     ax.set_ylim(rows.min(), rows.max())
     tidy(ax, _label(table[table.dims[1]]), _label(table[table.dims[0]]))
@@ -100,11 +104,11 @@ def side_by_side(
         left, right: such as `full.pitch_amplitude` and `pitch.pitch_amplitude`.
         titles: of the panels.
     """
-    figure = new_figure(8.4, 3.7)
-    found = [float(end(v)) for end in (np.nanmin, np.nanmax) for v in (left, right)]
-    limits = min(found), max(found)
+    figure, pair = new_figure(8.4, 3.7), (left, right)
+    known = np.concatenate([np.ravel(values)[np.isfinite(np.ravel(values))] for values in pair])
+    limits = (float(known.min()), float(known.max())) if known.size else None
     panels = list(figure.subplots(1, 2))
-    for i, (values, title) in enumerate(zip((left, right), titles, strict=True)):
+    for i, (values, title) in enumerate(zip(pair, titles, strict=True)):
         value_map(values, panels[i], limits=limits, colour_bar=False)
         panels[i].set_title(f"({'ab'[i]}) {title}", fontsize=FONT)
     panels[1].set_ylabel("")
@@ -173,7 +177,7 @@ def inverse(ds: xr.Dataset, *, curves: int = 9) -> Figure:
     for i, (dim, axis) in enumerate(zip(table.dims, (0, 1), strict=True)):
         ax = figure.add_subplot(1, 2, i + 1)
         v = 1000 * np.moveaxis(table.to_numpy(), axis, 0)
-        alpha = np.moveaxis(ds.yaw_rate.squeeze(drop=True).to_numpy(), axis, 0)
+        alpha = np.moveaxis(_two_dimensions(ds.yaw_rate).to_numpy(), axis, 0)
         ax.plot(v, alpha, ".", color="#CCCCCC", markersize=1.5, zorder=1)
         _curves(ax, v, alpha, table[dim], curves)
         tidy(ax, "v along the leg axis [mm/s]", r"$\alpha$ [rad/s]" if not i else "")
@@ -226,6 +230,7 @@ def modulation(values: xr.DataArray, ax: Axes | None = None) -> Axes:
                 ha="right", fontsize=FONT - 1)  # fmt: skip
     tidy(ax, _label(values.offset), "leg amplitude [rad]")
     _ticks_of_pi(ax.xaxis, values.offset)
+    ax.set_xlim(float(values.offset.min()), float(values.offset.max()))
     ax.set_ylim(0.0, 1.1 * max(own, float(known.max()) if known.size else own))
     return ax
 
@@ -237,7 +242,7 @@ def _two_dimensions(values: xr.DataArray) -> xr.DataArray:
             f"a map needs two dimensions of two values or more; this is {dict(values.sizes)}: take "
             "a slice, such as ds.sel(amplitude=0.3)."
         )
-    return table
+    return table.sortby(list(table.dims))
 
 
 def _scaled(
@@ -247,10 +252,9 @@ def _scaled(
     table = _two_dimensions(values)
     factor = _SHOWN.get(values.attrs.get("units", ""), ("", 1.0))[1]
     table = (factor * table).where(np.isfinite(table))
-    if not np.isfinite(table.to_numpy()).any():
-        raise ParameterError(f"{values.name or 'the map'} has no finite value to draw.")
     if limits is None:
-        return table, (float(table.min()), float(table.max()))
+        known = table.to_numpy()[np.isfinite(table)]
+        return table, (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
     return table, (factor * limits[0], factor * limits[1])
 
 
@@ -292,12 +296,12 @@ def _colours() -> Any:
 
 def _curves(ax: Axes, v: Array, alpha: Array, values: xr.DataArray, curves: int) -> None:
     """Some rows of (v, alpha) as lines, each with its value where it is farthest out."""
-    step = max(1, math.ceil((len(v) - 1) / (curves - 1)))
-    numbers = range(0, len(v), step)
-    for k, i in enumerate(numbers):
+    numbers = np.unique(np.linspace(0, len(v) - 1, min(curves, len(v))).round().astype(int))
+    scale = [np.nanmax(np.abs(part), initial=0.0) or 1.0 for part in (v, alpha)]
+    for k, i in enumerate(numbers.tolist()):
         style = line(k)
         ax.plot(v[i], alpha[i], zorder=2, **style)
-        out = np.hypot(v[i] / np.nanmax(np.abs(v)), alpha[i] / np.nanmax(np.abs(alpha)))
+        out = np.hypot(v[i] / scale[0], alpha[i] / scale[1])
         if not np.nanmax(out, initial=0.0) > 0.05:
             # The robot hardly moves, and all such curves lie on one spot.
             continue
@@ -308,8 +312,8 @@ def _curves(ax: Axes, v: Array, alpha: Array, values: xr.DataArray, curves: int)
 
 
 def _bar(image: Any, panels: list[Axes], values: xr.DataArray) -> None:
-    data, norm = image.get_array(), image.norm
-    below, above = data.min() < norm.vmin, data.max() > norm.vmax
+    data, norm = image.get_array().compressed(), image.norm
+    below, above = bool((data < norm.vmin).any()), bool((data > norm.vmax).any())
     extend = "both" if below and above else "min" if below else "max" if above else "neither"
     bar = panels[0].figure.colorbar(image, ax=panels, pad=0.02, aspect=25, extend=extend)
     unit = values.attrs.get("units", "")

@@ -115,9 +115,12 @@ def fill(tree, angle, rate, out):  # type: ignore[no-untyped-def]
     omega, vel = np.empty((n, 3)), np.empty((n, 3))
     turn = np.empty((3, 3))
     rot[0], pos[0], omega[0], vel[0] = tree.rotation[0], tree.translation[0], 0.0, 0.0
+    # The base's own part is the same for all.
+    base = np.zeros((1, N_COEFFICIENTS))
+    _add_body(tree, 0, rot, pos, omega, vel, base, 0)
     for k in range(angle.shape[0]):
-        out[k, :] = 0.0
-        _add_body(tree, 0, rot, pos, omega, vel, out, k)
+        for c in range(N_COEFFICIENTS):
+            out[k, c] = base[0, c]
         for i in range(1, n):
             leg = tree.leg[i]
             _move(tree, i, angle[k, leg], rate[k, leg], rot, pos, omega, vel, turn)
@@ -129,21 +132,28 @@ def _move(tree, i, q, dq, rot, pos, omega, vel, turn):  # type: ignore[no-untype
     """Placement and relative velocity of body i after its joint's motion."""
     p = tree.parent[i]
     x, y, z = tree.axis[i, 0], tree.axis[i, 1], tree.axis[i, 2]
-    for a in range(3):
-        # Row a of (parent's rotation)(joint's fixed rotation).
-        r0, r1, r2 = rot[p, a, 0], rot[p, a, 1], rot[p, a, 2]
-        for b in range(3):
-            turn[a, b] = (
-                r0 * tree.rotation[i, 0, b]
-                + r1 * tree.rotation[i, 1, b]
-                + r2 * tree.rotation[i, 2, b]
+    if p == 0:
+        # The base has its own axes and no velocity relative to itself.
+        for a in range(3):
+            pos[i, a] = pos[0, a] + tree.translation[i, a]
+            for b in range(3):
+                turn[a, b] = tree.rotation[i, a, b]
+    else:
+        for a in range(3):
+            # Row a of (parent's rotation)(joint's fixed rotation).
+            r0, r1, r2 = rot[p, a, 0], rot[p, a, 1], rot[p, a, 2]
+            for b in range(3):
+                turn[a, b] = (
+                    r0 * tree.rotation[i, 0, b]
+                    + r1 * tree.rotation[i, 1, b]
+                    + r2 * tree.rotation[i, 2, b]
+                )
+            pos[i, a] = (
+                pos[p, a]
+                + r0 * tree.translation[i, 0]
+                + r1 * tree.translation[i, 1]
+                + r2 * tree.translation[i, 2]
             )
-        pos[i, a] = (
-            pos[p, a]
-            + r0 * tree.translation[i, 0]
-            + r1 * tree.translation[i, 1]
-            + r2 * tree.translation[i, 2]
-        )
     if tree.prismatic[i]:
         for a in range(3):
             pos[i, a] += q * (turn[a, 0] * x + turn[a, 1] * y + turn[a, 2] * z)
@@ -158,11 +168,14 @@ def _move(tree, i, q, dq, rot, pos, omega, vel, turn):  # type: ignore[no-untype
             rot[i, a, 0] = c * t0 + along * x + s * (t1 * z - t2 * y)
             rot[i, a, 1] = c * t1 + along * y + s * (t2 * x - t0 * z)
             rot[i, a, 2] = c * t2 + along * z + s * (t0 * y - t1 * x)
-    dx, dy, dz = pos[i, 0] - pos[p, 0], pos[i, 1] - pos[p, 1], pos[i, 2] - pos[p, 2]
-    w0, w1, w2 = omega[p, 0], omega[p, 1], omega[p, 2]
-    vel[i, 0] = vel[p, 0] + w1 * dz - w2 * dy
-    vel[i, 1] = vel[p, 1] + w2 * dx - w0 * dz
-    vel[i, 2] = vel[p, 2] + w0 * dy - w1 * dx
+    if p == 0:
+        vel[i, 0], vel[i, 1], vel[i, 2] = 0.0, 0.0, 0.0
+    else:
+        dx, dy, dz = pos[i, 0] - pos[p, 0], pos[i, 1] - pos[p, 1], pos[i, 2] - pos[p, 2]
+        w0, w1, w2 = omega[p, 0], omega[p, 1], omega[p, 2]
+        vel[i, 0] = vel[p, 0] + w1 * dz - w2 * dy
+        vel[i, 1] = vel[p, 1] + w2 * dx - w0 * dz
+        vel[i, 2] = vel[p, 2] + w0 * dy - w1 * dx
     for a in range(3):
         along = dq * (turn[a, 0] * x + turn[a, 1] * y + turn[a, 2] * z)
         omega[i, a] = omega[p, a]

@@ -1,0 +1,297 @@
+"""Maps of sweeps: data, units, labels, and no trace left in pyplot."""
+
+from __future__ import annotations
+
+import io
+import sys
+
+import numpy as np
+import pytest
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+import rrrobot as rr
+from rrrobot.figures import maps
+from rrrobot.sweep import sweep
+
+ROBOT = rr.Robot.from_parameters()
+GRID = {"offset": np.linspace(0, np.pi, 13), "phase_difference": np.linspace(0, 2 * np.pi, 13)}
+
+
+@pytest.fixture(scope="module")
+def full() -> xr.Dataset:
+    return sweep(rr.FullModel(ROBOT), **GRID)
+
+
+@pytest.fixture(scope="module")
+def pitch() -> xr.Dataset:
+    return sweep(rr.PitchModel(ROBOT), **GRID)
+
+
+@pytest.fixture(scope="module")
+def yaw() -> xr.Dataset:
+    return sweep(rr.YawModel(ROBOT), **GRID)
+
+
+def drawn(figure: Figure) -> Figure:
+    figure.savefig(io.BytesIO(), format="png", dpi=40)
+    return figure
+
+
+def mesh(ax: Axes) -> np.ma.MaskedArray:
+    return ax.collections[0].get_array()
+
+
+def panels(figure: Figure) -> list[Axes]:
+    return [ax for ax in figure.axes if ax.get_xlabel()]
+
+
+def bars(figure: Figure) -> list[str]:
+    return [ax.get_ylabel() for ax in figure.axes if not ax.get_xlabel()]
+
+
+def test_map_of_a_variable(full: xr.Dataset) -> None:
+    ax = maps.value_map(full.speed)
+    figure = drawn(ax.figure)
+    np.testing.assert_array_equal(mesh(ax), 1000 * full.speed)
+    assert ax.get_xlabel() == "leg phase difference [rad]"
+    assert ax.get_ylabel() == "leg offset [rad]"
+    assert bars(figure) == ["speed v [mm/s]"]
+    assert [label.get_text() for label in ax.get_xticklabels()] == ["0", "π/2", "π", "3π/2", "2π"]
+    assert [label.get_text() for label in ax.get_yticklabels()] == ["0", "π/4", "π/2", "3π/4", "π"]
+    assert (ax.get_xlim(), ax.get_ylim()) == ((0, 2 * np.pi), (0, np.pi))
+
+
+@pytest.mark.parametrize(
+    ("name", "label"),
+    [
+        ("yaw_rate", r"yaw rate $\alpha$ [rad/s]"),
+        ("curvature", "curvature K [1/m]"),
+        ("pitch_amplitude", "pitch amplitude [deg]"),
+        ("clearance", "clearance [mm]"),
+        ("variation", "variation"),
+        ("normal_force", "normal force [N]"),
+    ],
+)
+def test_units_of_a_map(full: xr.Dataset, name: str, label: str) -> None:
+    assert bars(drawn(maps.value_map(full[name]).figure)) == [label]
+
+
+def test_contours_have_their_values(full: xr.Dataset) -> None:
+    ax = maps.value_map(full.yaw_rate)
+    contours = ax.collections[1]
+    assert 0.0 in contours.levels.round(12)
+    texts = {text.get_text() for text in ax.texts}
+    assert len(texts) > 3
+    assert texts <= {f"{level + 0.0:g}" for level in contours.levels}
+    places = [(ax.transData - ax.transAxes).transform(text.get_position()) for text in ax.texts]
+    for i, one in enumerate(places):
+        for other in places[:i]:
+            assert np.hypot(*(one - other)) > 0.05
+
+
+def test_grey_tells_more_from_less() -> None:
+    red, green, blue, _ = maps._colours()(np.linspace(0, 1, 64)).T
+    lightness = 0.299 * red + 0.587 * green + 0.114 * blue
+    assert (np.diff(lightness) < 0).all()
+    assert lightness[-1] > 0.3
+
+
+def test_missing_values_are_hatched(full: xr.Dataset) -> None:
+    holes = full.speed.where(full.offset > 1.0)
+    ax = maps.value_map(holes)
+    drawn(ax.figure)
+    np.testing.assert_array_equal(np.ma.getmaskarray(mesh(ax)), holes.isnull())
+    assert ax.patch.get_hatch()
+    infinite = full.speed.where(full.offset > 1.0, np.inf)
+    assert np.ma.getmaskarray(mesh(maps.value_map(infinite))).sum() == holes.isnull().sum()
+
+
+def test_given_axes_are_used(full: xr.Dataset) -> None:
+    ax = Figure().add_subplot()
+    assert maps.value_map(full.speed, ax) is ax
+
+
+def test_any_two_dimensions(full: xr.Dataset) -> None:
+    ds = sweep(
+        rr.FullModel(ROBOT),
+        offset=1.0,
+        amplitude=[0.1, 0.2, 0.3],
+        parameters={"leg_mass": [0.05, 0.06]},
+        cycles=4,
+    )
+    ax = maps.value_map(ds.speed)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (
+        "leg amplitude [rad]",
+        "mass at each leg tip [kg]",
+    )
+    for figure in (maps.translation(ds), maps.amplitudes(ds), maps.inverse(ds)):
+        drawn(figure)
+    one = sweep(rr.FullModel(ROBOT), **GRID, amplitude=[0.3], cycles=4)
+    assert mesh(maps.value_map(one.speed)).shape == (13, 13)
+
+
+def test_grids_in_any_order(full: xr.Dataset) -> None:
+    shuffled = full.isel(offset=[3, 0, 7, 12], phase_difference=slice(None, None, -1))
+    ax = maps.value_map(shuffled.speed)
+    drawn(ax.figure)
+    np.testing.assert_array_equal(mesh(ax), 1000 * full.speed[[0, 3, 7, 12]])
+    drawn(maps.inverse(shuffled))
+
+
+@pytest.mark.parametrize(
+    "cut", [{"offset": 3}, {"offset": [3]}, {"offset": 3, "phase_difference": 1}]
+)
+def test_not_two_dimensions(full: xr.Dataset, cut: dict) -> None:
+    with pytest.raises(rr.ParameterError, match="needs two dimensions"):
+        maps.value_map(full.isel(cut).speed)
+    with pytest.raises(rr.ParameterError, match="needs two dimensions"):
+        maps.inverse(full.isel(cut))
+
+
+def test_nothing_to_draw_is_said(full: xr.Dataset) -> None:
+    nothing = full.speed * np.nan
+    for figure in (maps.value_map(nothing).figure, maps.side_by_side(nothing, nothing)):
+        texts = [text.get_text() for ax in panels(drawn(figure)) for text in ax.texts]
+        assert set(texts) == {"no value"}
+
+
+def test_constant_values_are_drawn(full: xr.Dataset) -> None:
+    ax = maps.value_map(full.speed * 0.0)
+    drawn(ax.figure)
+    assert not ax.texts
+
+
+def test_side_by_side_shares_colours(full: xr.Dataset, pitch: xr.Dataset, yaw: xr.Dataset) -> None:
+    figure = drawn(maps.side_by_side(full.yaw_amplitude, yaw.yaw_amplitude, ("full", "yaw")))
+    left, right = panels(figure)
+    assert [ax.get_title() for ax in (left, right)] == ["(a) full", "(b) yaw"]
+    assert left.collections[0].get_clim() == right.collections[0].get_clim()
+    np.testing.assert_allclose(mesh(right), np.rad2deg(yaw.yaw_amplitude))
+    assert bars(figure) == ["yaw amplitude [deg]"]
+    drawn(maps.side_by_side(full.pitch_amplitude, pitch.pitch_amplitude))
+
+
+def test_phase_differences(full: xr.Dataset, pitch: xr.Dataset, yaw: xr.Dataset) -> None:
+    own = maps.phase_difference(full, start=-np.pi)
+    known = own.notnull()
+    np.testing.assert_allclose(
+        own.values[known], full.pitch_yaw_phase_difference.values[known], atol=1e-12
+    )
+    swing = (full.pitch_amplitude > 0.1) & (full.yaw_amplitude > 0.03)
+    assert known.where(swing, True).all()
+    assert not known[:, 0].any()
+    single = maps.phase_difference(pitch, yaw)
+    assert float(single.min()) >= np.pi / 4
+    assert float(single.max()) < np.pi / 4 + 2 * np.pi
+    drawn(maps.side_by_side(maps.phase_difference(full), single))
+    at = single.sel(offset=np.pi / 4, phase_difference=np.pi / 2, method="nearest")
+    run = rr.decoupled(ROBOT, rr.gait("circular"), 9.0, 0.03).steady_state()
+    assert float(at) == pytest.approx(run.pitch_yaw_phase_difference % (2 * np.pi), abs=2e-2)
+
+
+def test_contours_do_not_run_along_a_jump() -> None:
+    y, x = np.mgrid[-1:1:21j, -1:1:21j]
+    angle = xr.DataArray(np.arctan2(y, x), dims=("a", "b"), attrs={"units": "rad"})
+    angle = angle.assign_coords(a=y[:, 0], b=x[0])
+    ax = maps.value_map(angle)
+    points = np.concatenate([path.vertices for path in ax.collections[1].get_paths()])
+    # The cut is the negative b axis; each contour is a ray from the middle.
+    cut = (np.abs(points[:, 1]) < 0.04) & (points[:, 0] < -0.2)
+    assert not cut.any()
+
+
+def test_translation(full: xr.Dataset) -> None:
+    figure = drawn(maps.translation(full))
+    assert bars(figure) == [
+        "speed v [mm/s]",
+        r"yaw rate $\alpha$ [rad/s]",
+        "curvature K [1/m]",
+    ]
+    curvature = panels(figure)[2]
+    hidden = np.ma.getmaskarray(mesh(curvature))
+    np.testing.assert_array_equal(hidden, full.speed < maps.SLOW)
+    low, high = curvature.collections[0].get_clim()
+    assert low == -high
+    assert 0.85 < (np.abs(mesh(curvature)) <= high).mean() < 0.95
+
+
+@pytest.mark.parametrize("name", ["roll", "pitch", "yaw"])
+def test_models_that_stay_in_one_place(name: str, pitch: xr.Dataset, yaw: xr.Dataset) -> None:
+    ds = {"pitch": pitch, "yaw": yaw}.get(name)
+    ds = sweep(rr.RollModel(ROBOT), **GRID) if ds is None else ds
+    *_, curvature = panels(drawn(maps.translation(ds)))
+    assert [text.get_text() for text in curvature.texts] == ["no value"]
+    for figure in (maps.amplitudes(ds), maps.inverse(ds)):
+        drawn(figure)
+
+
+def test_amplitudes(full: xr.Dataset) -> None:
+    figure = drawn(maps.amplitudes(full))
+    assert bars(figure) == [f"{axis} amplitude [deg]" for axis in ("roll", "pitch", "yaw")]
+
+
+def test_inverse_map(full: xr.Dataset) -> None:
+    figure = drawn(maps.inverse(full, curves=5))
+    first, second = figure.axes
+    assert first.get_xlabel() == "v along the leg axis [mm/s]"
+    assert first.get_ylabel() == r"$\alpha$ [rad/s]"
+    assert second.get_title() == "(b) curves of equal leg phase difference [rad]"
+    lines = [line for line in first.get_lines() if line.get_linestyle() != "None"]
+    assert len(lines) == 5
+    np.testing.assert_array_equal(lines[1].get_xdata(), 1000 * full.velocity_y[3])
+    np.testing.assert_array_equal(lines[1].get_ydata(), full.yaw_rate[3])
+    texts = {text.get_text(): text.xy for text in first.texts}
+    assert set(texts) == {"0", "π/4", "π/2", "3π/4", "π"}
+    assert tuple(texts["π/4"]) in {
+        (1000 * v, a)
+        for v, a in zip(full.velocity_y[3].values, full.yaw_rate[3].values, strict=True)
+    }
+    # With legs in phase, or against each other, the robot stays in one place.
+    assert {text.get_text() for text in second.texts} == {"π/2", "3π/2"}
+
+
+def test_modulation(full: xr.Dataset) -> None:
+    few = full.isel(offset=[0, 3, 6])
+    found = maps.amplitude_modulation(ROBOT, few)
+    assert found.dims == ("offset",)
+    factor = rr.matching_yaw_amplitude(
+        ROBOT, rr.gait("circular"), float(few.yaw_rate.sel(phase_difference=np.pi / 2)[1])
+    )
+    assert float(found[1]) == pytest.approx(0.3 * factor, rel=1e-9)
+    assert float(found[1]) == pytest.approx(0.377, abs=1e-3)
+    assert np.isnan(found[2])
+    ax = maps.modulation(found)
+    drawn(ax.figure)
+    assert ax.get_ylabel() == "leg amplitude [rad]"
+    np.testing.assert_array_equal(ax.get_lines()[0].get_ydata(), found.dropna("offset"))
+
+
+@pytest.mark.parametrize("make", ["translation", "amplitudes", "inverse", "side"])
+def test_nothing_overlaps(full: xr.Dataset, make: str) -> None:
+    figure = (
+        maps.side_by_side(full.speed, full.speed) if make == "side" else getattr(maps, make)(full)
+    )
+    boxes = [ax.get_tightbbox() for ax in drawn(figure).axes]
+    for i, one in enumerate(boxes):
+        for other in boxes[:i]:
+            assert type(one).intersection(one, other) is None
+    width, height = figure.get_size_inches() * figure.dpi
+    for box in boxes:
+        assert box.x0 >= 0 and box.y0 >= 0 and box.x1 <= width and box.y1 <= height
+
+
+@pytest.mark.parametrize(
+    ("value", "text"),
+    [(0.0, "0"), (np.pi, "π"), (-np.pi, "-π"), (np.pi / 2, "π/2"), (3 * np.pi / 8, "3π/8"),
+     (-5 * np.pi / 3, "-5π/3"), (2 * np.pi, "2π"), (1.0, "1"), (0.123456, "0.123")],
+)  # fmt: skip
+def test_multiples_of_pi(value: float, text: str) -> None:
+    assert maps._multiple_of_pi(value) == text
+
+
+def test_pyplot_is_left_alone(full: xr.Dataset) -> None:
+    drawn(maps.translation(full))
+    pyplot = sys.modules.get("matplotlib.pyplot")
+    assert pyplot is None or pyplot.get_fignums() == []
