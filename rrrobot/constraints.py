@@ -88,6 +88,7 @@ class RollingContact:
         self.rows = rows
         self._rows = list(rows)
         self._project = self.basis.T[self._rows]
+        self._level = bool(np.array_equal(self._project, np.eye(3)))
         self._still = np.zeros(model.nv)
         # The arm of a sphere is the same at every orientation.
         fixed = surface.fixed_arm(self.normal)
@@ -114,8 +115,10 @@ class RollingContact:
             drift = acceleration.linear - arm @ acceleration.angular + skew(omega) @ arm_rate
         else:
             drift = acceleration.linear - arm @ acceleration.angular
-        jacobian = self._project @ (spatial[:3] - arm @ spatial[3:])
-        return ConstraintRows(jacobian, self._project @ drift, jacobian @ v)
+        jacobian = spatial[:3] - arm @ spatial[3:]
+        if not self._level:
+            jacobian, drift = self._project @ jacobian, self._project @ drift
+        return ConstraintRows(jacobian, drift, jacobian @ v)
 
     def height(self, data: pin.Data) -> float:
         """Height of the shell's lowest point over the plane [m], after `evaluate`; zero on it."""
@@ -263,8 +266,9 @@ def kkt_build(mass: Array, bias: Array, tau: Array, *rows: ConstraintRows) -> KK
         >>> solution.acceleration.tolist(), solution.multipliers.tolist()
         ([1.0, 0.0], [1.0])
     """
-    nv = bias.shape[0]
-    size = nv + sum(r.drift.shape[0] for r in rows)
+    nv = size = bias.shape[0]
+    for row in rows:
+        size += row.drift.shape[0]
     matrix = np.zeros((size, size))
     right = np.empty(size)
     matrix[:nv, :nv] = mass

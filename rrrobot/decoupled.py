@@ -155,7 +155,7 @@ def _recombine(
         torque[i] = tau[body.legs.v]
         missing = tau[3:6] - np.cross(x, tau[:3]) - body.damping_force(place, omega[i])[3:]
         unbalanced = max(unbalanced, float(np.linalg.norm(missing)))
-        energy[i] = body.energy(q, v).sum()
+        energy[i] = sum(body.energy(q, v))
     return assemble(
         robot,
         None,

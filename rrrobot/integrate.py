@@ -20,7 +20,7 @@ Progress = Callable[[float], None]
 
 RTOL = 1e-10
 ATOL = 1e-10
-MAX_STEP = 0.05
+MAX_STEP = 0.04
 """Default tolerances and longest step [s] of the adaptive integrator. They keep the energy of a
 robot that rocks or tumbles freely to 1e-9 of itself over half a minute."""
 

@@ -90,10 +90,10 @@ def euler_from_quaternion(quaternion: ArrayLike) -> Array:
     )
 
 
-def roll_pitch(rotation: Array) -> tuple[float, float]:
-    """(roll, pitch) of R_world_body, with |pitch| <= pi/2 [rad]."""
-    sine, y, z = rotation[2].tolist()
-    return atan2(y, z), asin(max(-1.0, min(1.0, -sine)))
+def euler_from_rotation(rotation: Array) -> tuple[float, float, float]:
+    """(roll, pitch, yaw) of R_world_body, with |pitch| <= pi/2 [rad]."""
+    (a, _, _), (b, _, _), (c, y, z) = rotation.tolist()
+    return atan2(y, z), asin(max(-1.0, min(1.0, -c))), atan2(b, a)
 
 
 def continuous_euler(euler: ArrayLike, start: ArrayLike) -> Array:

@@ -31,7 +31,13 @@ from rrrobot.integrate import (
 from rrrobot.models.base import VERTICAL_PITCH, Dynamics, Model, Placement
 from rrrobot.models.full import FullModel
 from rrrobot.robot import Robot
-from rrrobot.rotations import continuous_euler, euler_from_quaternion, euler_rates
+from rrrobot.rotations import (
+    continuous_euler,
+    euler_from_quaternion,
+    euler_from_rotation,
+    euler_rates,
+    rotation_from_quaternion,
+)
 from rrrobot.torques import LegTorques, MotionState
 from rrrobot.trajectory import Trajectory
 
@@ -67,7 +73,7 @@ def simulate(
         state: the model's whole state vector at t = 0 instead of start, euler and position, such
             as the last row of another trajectory's `state`.
         step: fixed step [s]; adaptive if None.
-        rtol, atol: local error tolerances of the adaptive step, which is at most 0.05 s and a
+        rtol, atol: local error tolerances of the adaptive step, which is at most 0.04 s and a
             twelfth of the gait's period.
         method: "kkt", the general form; or "momentum", the fast form for prescribed legs on a
             sphere on level ground, with fixed steps of at most `step` that end at the samples.
@@ -190,8 +196,10 @@ class _System:
         place = model.place(pose)
         if not isinstance(self.drive, LegTorques):
             solution = model.dynamics(place, quasi, self.drive(time))
-            body = model.quasi_acceleration(solution.acceleration)
-            return np.concatenate((model.pose_rate(place, pose, quasi), body))
+            rate = np.empty_like(y)
+            rate[: model.n_pose] = model.pose_rate(place, pose, quasi)
+            rate[model.n_pose :] = model.quasi_acceleration(solution.acceleration)
+            return rate
         solution = self._torque_driven(time, place, quasi, rest)
         body = model.quasi_acceleration(solution.acceleration)
         legs = rest[model.n_legs :], solution.acceleration[model.legs.v]
@@ -229,7 +237,8 @@ class _System:
                 solution = model.dynamics(place, quasi, leg)
             force[i], leg_torque[i] = solution.contact_force, solution.leg_torque
             q[i], v[i] = solution.q, solution.v
-            energy[i] = model.energy(solution.q, solution.v).sum()
+            kinetic, potential = model.energy(solution.q, solution.v)
+            energy[i] = kinetic + potential
         free_flyer = (q, v) if model.model is model.robot.model else None
         return assemble(
             model.robot,
@@ -272,14 +281,14 @@ def assemble(
     configuration, velocity = free_flyer or _rolling_motion(robot, quaternion, omega_body, fields)
     rolling = RollingContact.of(robot)
     data = robot.model.createData()
-    slip, height = np.empty(len(quaternion)), np.empty(len(quaternion))
+    residual, height = np.empty((len(quaternion), 3)), np.empty(len(quaternion))
     for i, (q, v) in enumerate(zip(configuration, velocity, strict=True)):
-        slip[i] = np.linalg.norm(rolling.evaluate(data, q, v).residual)
+        residual[i] = rolling.evaluate(data, q, v).residual
         height[i] = rolling.height(data)
     return Trajectory(
         robot=robot,
         euler_rates=euler_rates(fields["euler"], omega_body),
-        slip=slip,
+        slip=np.linalg.norm(residual, axis=1),
         height_error=height,
         configuration=configuration,
         velocity=velocity,
@@ -320,10 +329,14 @@ class EulerTrack:
         self.angles = np.empty((n, 3))
 
     def sampled(self, first: int, states: Array) -> None:
-        self.angles[first : first + len(states)] = self._follow(states)
+        quaternions = self.model.quaternions(states[:, : self.model.n_pose])
+        found = continuous_euler(euler_from_quaternion(quaternions), self.now)
+        self.angles[first : first + len(states)] = found
 
     def stepped(self, y: Array) -> str | None:
-        self.now = self._follow(y[None])[0]
+        quaternion = self.model.quaternions(y[None, : self.model.n_pose])[0]
+        euler = euler_from_rotation(rotation_from_quaternion(quaternion))
+        self.now = continuous_euler([euler], self.now)[0]
         if self.model.singular_at_vertical and abs(self.now[1]) > VERTICAL_PITCH:
             return (
                 "the pitch reached +-90 degrees, where the Euler rates, and with them this "
@@ -331,10 +344,6 @@ class EulerTrack:
                 "full model with BodyRateDamping"
             )
         return None
-
-    def _follow(self, states: Array) -> Array:
-        quaternions = self.model.quaternions(states[:, : self.model.n_pose])
-        return continuous_euler(euler_from_quaternion(quaternions), self.now)
 
 
 def _describe(model: Model, y: Array) -> str:

@@ -55,7 +55,9 @@ def test_quaternion_of_any_length(q):
 def test_euler_round_trip(euler):
     q = rot.quaternion_from_euler(euler)
     np.testing.assert_allclose(rot.euler_from_quaternion(q), euler, atol=1e-12)
-    assert rot.roll_pitch(rot.rotation_from_euler(euler)) == pytest.approx(euler[:2], abs=1e-12)
+    assert rot.euler_from_rotation(rot.rotation_from_euler(euler)) == pytest.approx(
+        euler, abs=1e-12
+    )
 
 
 def test_vectorised_over_leading_axes():

@@ -64,7 +64,7 @@ def assert_same(model: rr.models.base.Model, found: Any, expected: Motion) -> No
     assert error(found.acceleration[model.legs.v], expected.phi_ddot) < 1e-9
     assert error(found.contact_force, expected.contact_force) < 1e-9
     assert error(found.leg_torque, expected.leg_torque) < 1e-9
-    energy = model.energy(found.q, found.v).sum()
+    energy = sum(model.energy(found.q, found.v))
     assert energy == pytest.approx(expected.energy, rel=1e-12)
 
 

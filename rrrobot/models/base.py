@@ -248,10 +248,10 @@ class Model(ABC):
         """M(q) (nv, nv) in the model's Pinocchio coordinates."""
         return np.array(pin.crba(self.model, self.data, self.configuration(pose, leg_angle)))
 
-    def energy(self, q: Array, v: Array) -> Array:
-        """Kinetic and potential energy (2,) [J]; the potential is zero at the world's origin."""
+    def energy(self, q: Array, v: Array) -> tuple[float, float]:
+        """Kinetic and potential energy [J]; the potential is zero at the world's origin."""
         kinetic = pin.computeKineticEnergy(self.model, self.data, q, v)
-        return np.array((kinetic, pin.computePotentialEnergy(self.model, self.data, q)))
+        return kinetic, pin.computePotentialEnergy(self.model, self.data, q)
 
     def momentum(
         self, pose: ArrayLike | Placement, quasi: Array, leg_angle: Array, leg_rate: Array

@@ -19,9 +19,9 @@ from rrrobot.rotations import (
     body_rates_matrix,
     body_rates_matrix_rate,
     euler_from_quaternion,
+    euler_from_rotation,
     quaternion_from_euler,
     quaternion_rate,
-    roll_pitch,
     rotation_from_euler,
     rotation_from_quaternion,
     skew,
@@ -130,7 +130,8 @@ class FullModel(Model):
 
     def damping_force(self, place: Placement, quasi: Array) -> Array:
         tau = np.zeros(6)
-        tau[3:] = self.damping.moment(*roll_pitch(place.rotation), quasi)
+        roll, pitch, _ = euler_from_rotation(place.rotation)
+        tau[3:] = self.damping.moment(roll, pitch, quasi)
         return tau
 
     def paper_equations(self, q: ArrayLike, q_dot: ArrayLike) -> PaperEquations:

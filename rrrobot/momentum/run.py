@@ -14,6 +14,8 @@ from rrrobot.momentum.coefficients import coefficients
 from rrrobot.momentum.kernels import N_STAGES
 from rrrobot.rotations import euler_from_quaternion, euler_rates
 
+_SYMMETRIC = np.array(((3, 6, 7), (6, 4, 8), (7, 8, 5)))
+"""Where the entries of I stand among the coefficients."""
 _CHUNK = 500
 """Steps that are tabulated at a time."""
 
@@ -58,11 +60,14 @@ def run(
                     "the state is not finite (the pitch came to +-90 degrees, or the step is long)"
                 )
                 marks = marks[marks < bad[0]]
-            for at in marks:
-                states[filled] = _model_state(model, setting, gait, history[at], times[filled])
+            found = _model_states(
+                model, setting, gait, history[marks], times[filled : filled + len(marks)]
+            )
+            for state in found:
+                states[filled] = state
                 observer.sampled(filled, states[filled : filled + 1])
                 filled += 1
-                stop = observer.stepped(states[filled - 1]) or stop
+                stop = observer.stepped(state)
                 if stop is not None:
                     break
             stop = stop or failure
@@ -102,23 +107,24 @@ def _coefficients(model: Model, gait: Gait, instants: Array) -> Array:
 
 
 def _inertia(setting: Setting, c: Array, up: Array) -> tuple[Array, Array]:
-    """I_P (3, 3) about the pivot and the legs' own K, for one state with z_body = up."""
+    """I_P (n, 3, 3) about the pivot and the legs' own K (n, 3), for states with z_body = up."""
     mass, radius = setting.parameters[:2]
-    s, mc = radius * up, c[:3]
-    xx, yy, zz, xy, xz, yz = c[3:9]
-    inertia = np.array(((xx, xy, xz), (xy, yy, yz), (xz, yz, zz)))
-    inertia += (2 * s @ mc + mass * s @ s) * np.eye(3)
-    inertia -= np.outer(s, mc) + np.outer(mc, s) + mass * np.outer(s, s)
-    return inertia, c[12:15] + np.cross(s, c[9:12])
+    s, mc = radius * up, c[:, :3]
+    inertia = c[:, _SYMMETRIC]
+    whole = 2 * np.sum(s * mc, axis=1) + mass * np.sum(s * s, axis=1)
+    inertia += whole[:, None, None] * np.eye(3)
+    cross = s[:, :, None] * mc[:, None, :]
+    inertia -= cross + cross.transpose(0, 2, 1) + mass * s[:, :, None] * s[:, None, :]
+    return inertia, c[:, 12:15] + np.cross(s, c[:, 9:12])
 
 
 def _lane(model: Model, setting: Setting, gait: Gait, y0: Array, time: float) -> Array:
     """Engine state (N_STATE,) of a model's state vector."""
     pose, quasi, _ = model.split(y0)
     place = model.place(pose)
-    c = _coefficients(model, gait, np.array([time]))[0]
-    inertia, own = _inertia(setting, c, place.rotation[2])
-    momentum = inertia @ model.body_velocity(place, quasi) + own
+    c = _coefficients(model, gait, np.array([time]))
+    inertia, own = _inertia(setting, c, place.rotation[2:])
+    momentum = inertia[0] @ model.body_velocity(place, quasi) + own[0]
     if setting.axis >= 0:
         # Along locked axes the guides hold whatever momentum there is.
         momentum[np.arange(3) != setting.axis] = 0.0
@@ -126,23 +132,27 @@ def _lane(model: Model, setting: Setting, gait: Gait, y0: Array, time: float) ->
     return np.concatenate((place.quaternion, momentum, place.position, [yaw]))
 
 
-def _model_state(model: Model, setting: Setting, gait: Gait, lane: Array, time: float) -> Array:
-    """Model's state vector of an engine state."""
-    quaternion = lane[:4] / np.linalg.norm(lane[:4])
-    x, y, z, w = quaternion
-    up = np.array((2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)))
-    c = _coefficients(model, gait, np.array([time]))[0]
-    inertia, own = _inertia(setting, c, up)
+def _model_states(model: Model, setting: Setting, gait: Gait, lanes: Array, times: Array) -> Array:
+    """Model's state vectors (n, ny) of engine states (n, N_STATE)."""
+    quaternion = lanes[:, :4] / np.linalg.norm(lanes[:, :4], axis=1, keepdims=True)
+    x, y, z, w = quaternion.T
+    up = np.column_stack((2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)))
+    inertia, own = _inertia(setting, _coefficients(model, gait, times), up)
+    free = lanes[:, 4:7] - own
     if setting.axis >= 0:
         a = setting.axis
-        omega: Array = np.zeros(3)
-        omega[a] = (lane[4 + a] - own[a]) / inertia[a, a]
+        omega: Array = np.zeros((len(lanes), 3))
+        omega[:, a] = free[:, a] / inertia[:, a, a]
     else:
-        omega = np.asarray(np.linalg.solve(inertia, lane[4:7] - own))
+        omega = np.asarray(np.linalg.solve(inertia, free[:, :, None]))[:, :, 0]
     if model.name == "full":
-        return np.concatenate((quaternion, lane[7:9], omega))
+        return np.column_stack((quaternion, lanes[:, 7:9], omega))
     euler = euler_from_quaternion(quaternion)
     # The turns that the quaternion does not count.
-    euler[2] += 2 * np.pi * np.round((lane[9] - euler[2]) / (2 * np.pi))
-    pose = model.make_pose(euler, lane[7:9])
-    return np.concatenate((pose, model.quasi_from_euler_rates(pose, euler_rates(euler, omega))))
+    euler[:, 2] += 2 * np.pi * np.round((lanes[:, 9] - euler[:, 2]) / (2 * np.pi))
+    rates = euler_rates(euler, omega)
+    states = np.empty((len(lanes), model.n_pose + model.n_quasi))
+    for i in range(len(lanes)):
+        pose = model.make_pose(euler[i], lanes[i, 7:9])
+        states[i] = np.concatenate((pose, model.quasi_from_euler_rates(pose, rates[i])))
+    return states
