@@ -79,8 +79,8 @@ def _serve(trajectory: Trajectory, *, speed: float, loop: bool, open_browser: bo
     from rrrobot.viewer import Viewer
 
     with Viewer(trajectory.robot, open_browser=open_browser) as viewer:
-        click.echo(f"{viewer.url}  (Ctrl-C ends)")
         try:
+            click.echo(f"{viewer.url}  (Ctrl-C ends)")
             # A motion that plays to nobody would be over when the page opens.
             viewer.wait_for_browser()
             viewer.play(trajectory, speed=speed, loop=loop)
