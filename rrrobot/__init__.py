@@ -61,6 +61,11 @@ from rrrobot.gaits import (
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
+from rrrobot.optimise import optimise
+from rrrobot.optimise_goals import FastestTravel, LeastEffort, TargetMotion, TightestTurn
+from rrrobot.optimise_pareto import ParetoFront, pareto_front
+from rrrobot.optimise_result import OptimisedGait, gait_from_dict
+from rrrobot.optimise_table import GaitLimits
 from rrrobot.oscillations import (
     Mode,
     PeriodRow,
@@ -108,13 +113,16 @@ __all__ = [
     "DecoupledModels",
     "Ellipsoid",
     "EulerRateDamping",
+    "FastestTravel",
     "FourierGait",
     "FullModel",
     "Gait",
     "GaitError",
+    "GaitLimits",
     "GroundClearanceWarning",
     "KKTSolution",
     "KKTSystem",
+    "LeastEffort",
     "LegMotion",
     "LegMoves",
     "LegTorques",
@@ -123,8 +131,10 @@ __all__ = [
     "ModelError",
     "MotionState",
     "OptimalCycle",
+    "OptimisedGait",
     "OutputError",
     "ParameterError",
+    "ParetoFront",
     "PeriodRow",
     "PitchModel",
     "PivotingModel",
@@ -146,6 +156,8 @@ __all__ = [
     "Surface",
     "SweepInterrupted",
     "Table4",
+    "TargetMotion",
+    "TightestTurn",
     "Trajectory",
     "UrdfError",
     "Viewer",
@@ -163,6 +175,7 @@ __all__ = [
     "equilibrium",
     "example_robots",
     "gait",
+    "gait_from_dict",
     "height_grid",
     "kkt_build",
     "kkt_solve",
@@ -172,7 +185,9 @@ __all__ = [
     "net_yaw",
     "one_leg_gait",
     "optimal_cycle",
+    "optimise",
     "out_of_phase_gait",
+    "pareto_front",
     "path_controllability",
     "pitch_response",
     "plan_yaw",

@@ -1,4 +1,4 @@
-"""The command line: `rrrobot simulate | sweep | compare | periods | reduce | view | robots`.
+"""The command line: `rrrobot simulate`, `sweep`, `compare`, `optimise` and the others.
 
 An error that rrrobot raises on purpose becomes one line on stderr and exit code 1, wrong usage
 exit code 2, Ctrl-C 130; warnings are one line each on stderr.
@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 import click
 
 from rrrobot.cli_compare import compare_command, periods
+from rrrobot.cli_optimise import optimise_command
 from rrrobot.cli_reduce import reduce_command
 from rrrobot.cli_simulate import simulate
 from rrrobot.cli_sweep import sweep_command
@@ -58,7 +59,16 @@ def cli() -> None:
     """
 
 
-for _command in (simulate, sweep_command, compare_command, periods, reduce_command, view, robots):
+for _command in (
+    simulate,
+    sweep_command,
+    compare_command,
+    periods,
+    reduce_command,
+    optimise_command,
+    view,
+    robots,
+):
     cli.add_command(_command)
 
 

@@ -1,0 +1,115 @@
+"""Signals of a state of the engine that are forces: contact, friction, motors; and heights.
+
+The angular acceleration follows from the moment about the pivot, which is linear in it:
+
+    I_P alpha = damping moment - (moment that alpha = 0 would take)
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from rrrobot.optimise_forces import sweep
+
+FRICTION, PITCH, TORQUE = 1, 4, 5
+"""Rows of the signals: first the normal force; then three components of the friction force in the
+body's axes; the pitch; for each leg its torque, for each its rate; for each body the height of its
+mass centre above the ground."""
+_MASSLESS = 1e9
+"""Height [m] of bodies that cannot touch the ground because they are not there."""
+
+
+def n_signals(legs: int, bodies: int) -> int:
+    """Number of rows."""
+    return TORQUE + 2 * legs + bodies
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def solve(matrix, right, out):  # type: ignore[no-untyped-def]
+    """Solve a symmetric 3 x 3 system, given as (xx, yy, zz, xy, xz, yz), by its adjugate."""
+    xx, yy, zz, xy, xz, yz = matrix[0], matrix[1], matrix[2], matrix[3], matrix[4], matrix[5]
+    a00, a01, a02 = yy * zz - yz * yz, xz * yz - xy * zz, xy * yz - xz * yy
+    a11, a12, a22 = xx * zz - xz * xz, xy * xz - xx * yz, xx * yy - xy * xy
+    over = 1.0 / (xx * a00 + xy * a01 + xz * a02)
+    out[0] = over * (a00 * right[0] + a01 * right[1] + a02 * right[2])
+    out[1] = over * (a01 * right[0] + a11 * right[1] + a12 * right[2])
+    out[2] = over * (a02 * right[0] + a12 * right[1] + a22 * right[2])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def pivot_inertia(c, mass, s, out):  # type: ignore[no-untyped-def]
+    """I_P (xx, yy, zz, xy, xz, yz) of coefficients c (15,) about the pivot at -s."""
+    whole = 2.0 * (c[0] * s[0] + c[1] * s[1] + c[2] * s[2])
+    whole += mass * (s[0] * s[0] + s[1] * s[1] + s[2] * s[2])
+    for a in range(3):
+        out[a] = c[3 + a] + whole - (2.0 * c[a] + mass * s[a]) * s[a]
+    out[3] = c[6] - c[0] * s[1] - s[0] * c[1] - mass * s[0] * s[1]
+    out[4] = c[7] - c[0] * s[2] - s[0] * c[2] - mass * s[0] * s[2]
+    out[5] = c[8] - c[1] * s[2] - s[1] * c[2] - mass * s[1] * s[2]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def damping_moment(w, up, parameters, out):  # type: ignore[no-untyped-def]
+    """Moment of the damping on the body (3,) in its axes; `parameters` as the kernels take them."""
+    if parameters[7] == 0.0:
+        for a in range(3):
+            out[a] = -parameters[4 + a] * w[a]
+        return
+    over_cos = 1.0 / np.sqrt(up[1] * up[1] + up[2] * up[2])
+    sr, cr, tp = up[1] * over_cos, up[2] * over_cos, -up[0] * over_cos
+    about = sr * w[1] + cr * w[2]
+    on_roll = -parameters[4] * (w[0] + tp * about)
+    on_pitch = -parameters[5] * (cr * w[1] - sr * w[2])
+    lever = tp * on_roll - parameters[6] * about * over_cos * over_cos
+    out[0], out[1], out[2] = on_roll, sr * lever + cr * on_pitch, cr * lever - sr * on_pitch
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def loads(tree, y, c, leg, parameters, b, out):  # type: ignore[no-untyped-def]
+    """Signals of one state y (N_STATE,) with coefficients c (15,) and legs (3, legs)."""
+    scale = 1.0 / (y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3])
+    up, s, w, alpha = np.empty(3), np.empty(3), np.empty(3), np.zeros(3)
+    up[0] = 2.0 * scale * (y[0] * y[2] - y[3] * y[1])
+    up[1] = 2.0 * scale * (y[1] * y[2] + y[3] * y[0])
+    up[2] = 1.0 - 2.0 * scale * (y[0] * y[0] + y[1] * y[1])
+    inertia, right, force, moment = np.empty(6), np.empty(3), b.force[0], b.moment[0]
+    for a in range(3):
+        s[a] = parameters[1] * up[a]
+    pivot_inertia(c, parameters[0], s, inertia)
+    for a in range(3):
+        d, e = (a + 1) % 3, (a + 2) % 3
+        right[a] = y[4 + a] - c[12 + a] - (s[d] * c[9 + e] - s[e] * c[9 + d])
+    solve(inertia, right, w)
+    sweep(tree, leg, w, alpha, s, up, parameters[3], b)
+    damping_moment(w, up, parameters, right)
+    for a in range(3):
+        d, e = (a + 1) % 3, (a + 2) % 3
+        right[a] -= moment[a] + s[d] * force[e] - s[e] * force[d]
+    solve(inertia, right, alpha)
+    sweep(tree, leg, w, alpha, s, up, parameters[3], b)
+    out[0] = force[0] * up[0] + force[1] * up[1] + force[2] * up[2]
+    for a in range(3):
+        out[1 + a] = force[a] - out[0] * up[a]
+    out[4] = np.arcsin(min(1.0, max(-1.0, -up[0])))
+    n_legs = leg.shape[1]
+    for i in range(tree.mass.size):
+        held = i > 0 and tree.mass[i] > 0.0
+        out[TORQUE + 2 * n_legs + i] = parameters[2] + b.height[i] if held else _MASSLESS
+        if i > 0:
+            k = tree.leg[i]
+            out[TORQUE + k], out[TORQUE + n_legs + k] = _motor(tree, i, b), leg[1, k]
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _motor(tree, i, b):  # type: ignore[no-untyped-def]
+    """Torque, or force of a prismatic joint, that moves body i and all that it carries."""
+    torque = 0.0
+    for a in range(3):
+        d, e = (a + 1) % 3, (a + 2) % 3
+        if tree.prismatic[i]:
+            torque += b.axis[i, a] * b.force[i, a]
+        else:
+            own = b.origin[i, d] * b.force[i, e] - b.origin[i, e] * b.force[i, d]
+            torque += b.axis[i, a] * (b.moment[i, a] - own)
+    return torque

@@ -1,0 +1,183 @@
+"""What populations of gaits give, as tables, and the limits within which that is valid."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rrrobot.checks import Array, finite
+
+COLUMNS = {
+    "speed": "m/s",
+    "yaw_rate": "rad/s",
+    "variation": "",
+    "pitch": "rad",
+    "normal_force": "N",
+    "friction": "",
+    "rms_torque": "N m",
+    "peak_torque": "N m",
+    "power": "W",
+    "clearance": "m",
+    "status": "",
+}
+"""Columns of a table, with units: the first three as `SteadyState` has them; largest |pitch|; least
+normal force; friction coefficient that is needed; root of the mean sum of squared motor torques;
+largest motor torque; mean of the sum of |torque x rate|; least height of a leg's mass centre above
+the ground; why the engine stopped, 0 if it did not. For a prismatic leg, torques are forces."""
+
+
+SWING_ROUNDING = 2e-3
+"""Part of the largest swing that sampling its harmonics may miss."""
+
+
+class Table:
+    """Results of gaits by name: `table.speed` is an array (n,).
+
+    Args:
+        values: (n, len(COLUMNS)).
+        swing: of each leg to both sides (n, k); none of sinusoids.
+        rate, acceleration: the largest of any leg (n,).
+    """
+
+    speed: Array
+    yaw_rate: Array
+    variation: Array
+    pitch: Array
+    normal_force: Array
+    friction: Array
+    rms_torque: Array
+    peak_torque: Array
+    power: Array
+    clearance: Array
+    status: Array
+
+    def __init__(self, values: Array, swing: Array, rate: Array, acceleration: Array) -> None:
+        for i, name in enumerate(COLUMNS):
+            setattr(self, name, values[:, i])
+        self.swing, self.rate, self.acceleration = swing, rate, acceleration
+
+    @property
+    def curvature(self) -> Array:
+        """yaw_rate / speed (n,) [1/m]."""
+        return np.asarray(self.yaw_rate / np.maximum(self.speed, 1e-12))
+
+    @property
+    def values(self) -> Array:
+        """All columns (n, len(COLUMNS))."""
+        return np.column_stack([getattr(self, name) for name in COLUMNS])
+
+    def rows(self, which: NDArray[Any] | slice) -> Table:
+        """Some of the gaits: indices or a mask."""
+        return Table(
+            self.values[which], self.swing[which], self.rate[which], self.acceleration[which]
+        )
+
+    @staticmethod
+    def joined(tables: Sequence[Table]) -> Table:
+        """Several tables one after the other."""
+        legs = (
+            np.concatenate([getattr(t, name) for t in tables])
+            for name in ("swing", "rate", "acceleration")
+        )
+        return Table(np.concatenate([t.values for t in tables]), *legs)
+
+    def to_dict(self) -> dict[str, float]:
+        """The first row by name, without the status."""
+        names = [name for name in COLUMNS if name != "status"]
+        return {name: float(getattr(self, name)[0]) for name in names}
+
+
+@dataclass(frozen=True, kw_only=True)
+class GaitLimits:
+    """What a gait must respect to be valid, and what the robot's hardware allows.
+
+    Attributes:
+        min_normal_force: least normal force over the robot's weight; below zero it lifts off.
+        max_pitch: largest |pitch| from the start on [rad]; at pi/2 Euler angles are singular.
+        max_variation: largest variation of the step from cycle to cycle, over the step.
+        min_clearance: least height of the legs' mass centres above the ground [m]; on RRRobot
+            these are the leg tips.
+        friction: coefficient that the ground offers; None for enough.
+        max_curvature: largest |curvature| of the path [1/m]; None for any.
+        max_torque: of each motor [N m]; None for any.
+        max_leg_rate: [rad/s]; None for any.
+        max_leg_acceleration: [rad/s^2]; None for any.
+
+    Raises:
+        ParameterError: a limit that is negative or not finite.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> rr.GaitLimits(friction=0.1).max_pitch
+        1.2
+    """
+
+    min_normal_force: float = 0.05
+    max_pitch: float = 1.2
+    max_variation: float = 0.01
+    min_clearance: float = 0.0
+    friction: float | None = None
+    max_curvature: float | None = None
+    max_torque: float | None = None
+    max_leg_rate: float | None = None
+    max_leg_acceleration: float | None = None
+
+    def __post_init__(self) -> None:
+        for name, value in asdict(self).items():
+            if name == "min_clearance":
+                finite(name, value, "m")
+            elif name == "min_normal_force":
+                finite(name, value, at_least=0.0)
+            elif value is not None or name in ("max_pitch", "max_variation"):
+                finite(name, value, above=0.0)
+
+    def slack(
+        self, table: Table, weight: float, largest_swing: float
+    ) -> dict[str, tuple[Array, str]]:
+        """For each limit, how far inside it the gaits are (n,), of order one, and what it means.
+
+        A negative entry is a violation.
+        """
+        t = table
+        found = {
+            "max_pitch": (self.max_pitch - t.pitch, f"|pitch| above {self.max_pitch:g} rad"),
+            "min_clearance": (
+                (t.clearance - self.min_clearance) / 0.1,
+                f"legs come within {self.min_clearance:g} m of the ground",
+            ),
+            "max_variation": (
+                (self.max_variation - t.variation) / (self.max_variation + t.variation),
+                f"not steady: steps vary by more than {self.max_variation:g}",
+            ),
+        }
+        for i, swing in enumerate(t.swing.T):
+            found[f"swing {i}"] = (
+                1.0 + SWING_ROUNDING - swing / max(largest_swing, 1e-9),
+                f"legs swing more than {largest_swing:g} rad",
+            )
+        if weight > 0:
+            found["min_normal_force"] = (
+                t.normal_force / weight - self.min_normal_force,
+                f"normal force below {self.min_normal_force:g} of the weight",
+            )
+        tops = {
+            "friction": (t.friction, "needs a friction coefficient above {:g}"),
+            "max_curvature": (np.abs(t.curvature), "turns tighter than {:g} 1/m"),
+            "max_torque": (t.peak_torque, "motor torque above {:g} N m"),
+            "max_leg_rate": (t.rate, "leg rate above {:g} rad/s"),
+            "max_leg_acceleration": (t.acceleration, "leg acceleration above {:g} rad/s^2"),
+        }
+        for name, (value, text) in tops.items():
+            top = getattr(self, name)
+            if top is not None:
+                value = np.minimum(value, 1e9)
+                found[name] = ((top - value) / (top + value), text.format(top))
+        return found
+
+    def to_dict(self) -> dict[str, Any]:
+        """All limits as plain data."""
+        return asdict(self)

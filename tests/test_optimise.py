@@ -1,0 +1,442 @@
+"""Optimised gaits: forces against the KKT model, known optima, limits, the front, bad input."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+import rrrobot as rr
+from rrrobot.figures.pareto import pareto
+from rrrobot.gaits import FourierGait, SinusoidalGait
+from rrrobot.models.base import Model
+from rrrobot.momentum.batch import Gaits, setting_of, steady_states
+from rrrobot.momentum.run import _lane
+from rrrobot.optimise import optimise
+from rrrobot.optimise_forces import bodies
+from rrrobot.optimise_goals import FastestTravel, LeastEffort, TargetMotion, TightestTurn
+from rrrobot.optimise_lanes import engine_of
+from rrrobot.optimise_loads import loads, n_signals
+from rrrobot.optimise_pareto import ParetoFront, pareto_front
+from rrrobot.optimise_result import OptimisedGait, confirm, gait_from_dict
+from rrrobot.optimise_space import Population, Space
+from rrrobot.optimise_table import COLUMNS, GaitLimits, Table
+from tests.random_robot import random_robot
+
+SETTLE = 15.0
+"""Enough for RRRobot's oscillations to fall below a thousandth."""
+
+
+@pytest.fixture(scope="module")
+def model() -> rr.FullModel:
+    return rr.FullModel(rr.Robot.from_parameters())
+
+
+@pytest.fixture(scope="module")
+def target(model: rr.FullModel) -> OptimisedGait:
+    goal = TargetMotion(speed=0.006, curvature=-1.5)
+    return optimise(model, goal, budget=2500, settle_time=20.0, seed=4)
+
+
+@pytest.fixture(scope="module")
+def front(model: rr.FullModel) -> ParetoFront:
+    return pareto_front(
+        model, points=6, budget=3000, settle_time=SETTLE, tied=True, offset=(1.2, 1.9)
+    )
+
+
+def population(n: int, harmonics: int = 1, legs: int = 2, seed: int = 0) -> Population:
+    rng = np.random.default_rng(seed)
+    size = rng.uniform(0, 0.4, (n, harmonics, legs)) / np.arange(1, harmonics + 1)[:, None]
+    phase = rng.uniform(0, 2 * np.pi, size.shape)
+    return Population(
+        rng.uniform(0, np.pi, (n, legs)), size * np.cos(phase), size * np.sin(phase),
+        rng.uniform(3, 12, n),
+    )  # fmt: skip
+
+
+# The engine with forces.
+
+
+@pytest.mark.parametrize(
+    "make",
+    [
+        lambda: rr.FullModel(random_robot(3)),
+        lambda: rr.FullModel(random_robot(5, 7), damping=rr.BodyRateDamping(0.1, 0.2, 0.3)),
+        lambda: rr.FullModel(rr.Robot.from_parameters(), damping=(0.01, 0.02, 0.03)),
+        lambda: rr.PivotingModel(rr.Robot.from_parameters()),
+    ],
+    ids=["12 joints", "7 joints, body damping", "RRRobot", "pivoting"],
+)
+def test_forces_and_torques_equal_the_kkt_systems(make) -> None:
+    """At random states, by recursive Newton-Euler here and by Pinocchio and a KKT solve there."""
+    model: Model = make()
+    robot, engine = model.robot, engine_of(model, 1.0)
+    rng = np.random.default_rng(1)
+    n, sine = robot.n_legs, rng.normal(size=(2, robot.n_legs))
+    gait = FourierGait(
+        offset=rng.normal(size=n), cosine=0.5 * sine, sine=sine, angular_frequency=3.0
+    )
+    euler, omega = 0.5 * rng.normal(size=3), rng.normal(size=3)
+    pose = model.make_pose(euler, np.zeros(2))
+    quasi = omega if model.name == "full" else model.quasi_from_euler_rates(pose, omega)
+    place, motion = model.place(pose), gait(0.7)
+    expected = model.dynamics(place, quasi, motion)
+    lane = _lane(model, setting_of(model), gait, np.concatenate((pose, quasi)), 0.7)
+    from rrrobot.momentum.coefficients import coefficients
+
+    c = coefficients(robot, motion.angle[None], motion.rate[None])[0]
+    signals = np.empty(n_signals(n, n + 1))
+    loads(engine.tree, lane, c, np.array(motion), engine.parameters, bodies(n + 1), signals)
+    up = place.rotation[2]
+    force = place.rotation.T @ expected.contact_force
+    assert signals[0] == pytest.approx(force @ up, rel=1e-10)
+    np.testing.assert_allclose(signals[1:4], force - (force @ up) * up, atol=1e-9)
+    np.testing.assert_allclose(signals[5 : 5 + n], expected.leg_torque, atol=1e-9)
+
+
+@pytest.mark.parametrize("harmonics", [1, 3])
+def test_results_equal_those_of_a_kkt_simulation(harmonics: int) -> None:
+    damping = rr.EulerRateDamping(0.01, 0.01, 0.01, legs=0.003)
+    model = rr.FullModel(rr.Robot.from_parameters(), damping=damping)
+    gaits = population(1, harmonics, seed=7)
+    found = Table(engine_of(model, 12.0)(gaits), *gaits.extremes())
+    gait = FourierGait(offset=gaits.offset[0], cosine=gaits.cosine[0], sine=gaits.sine[0],
+                       angular_frequency=float(gaits.angular_frequency[0]))  # fmt: skip
+    _, state, measured = confirm(model, gait, 12.0)
+    assert found.speed[0] == pytest.approx(state.speed, rel=1e-5)
+    assert found.yaw_rate[0] == pytest.approx(state.yaw_rate, rel=1e-4)
+    for name in ("pitch", "normal_force", "friction", "rms_torque", "peak_torque", "power",
+                 "clearance"):  # fmt: skip
+        a, b = getattr(found, name)[0], getattr(measured, name)[0]
+        assert a == pytest.approx(b, rel=5e-3), name
+    if harmonics > 1:
+        np.testing.assert_allclose(found.swing, measured.swing, rtol=3e-3)
+    for name in ("rate", "acceleration"):
+        a, b = getattr(found, name)[0], getattr(measured, name)[0]
+        assert a == pytest.approx(b, rel=3e-3), name
+
+
+def test_a_gait_is_not_changed_by_its_neighbours(model: rr.FullModel) -> None:
+    engine, gaits = engine_of(model, 3.0), population(20)
+    together = engine(gaits)
+    for i in (0, 7, 19):
+        alone = engine(Population(*(part[i : i + 1] for part in gaits)))
+        np.testing.assert_array_equal(alone[0], together[i])
+
+
+def test_a_gait_that_tips_over_has_a_status_and_spares_the_others(model: rr.FullModel) -> None:
+    gaits = population(5)
+    gaits.offset[2], gaits.angular_frequency[2] = np.pi / 2, 6.44
+    gaits.sine[2], gaits.cosine[2] = 2.0, 0.0
+    found = engine_of(model, 5.0)(gaits)
+    status = found[:, list(COLUMNS).index("status")]
+    assert status[2] != 0 and not np.delete(status, 2).any()
+    assert np.isnan(found[2, 0]) and np.all(np.isfinite(np.delete(found, 2, axis=0)))
+
+
+# Optima.
+
+
+def test_the_fastest_lateral_gait_is_that_of_a_brute_force_grid(model: rr.FullModel) -> None:
+    kept = {"amplitude": 0.3, "frequency": 8.0, "tied": True}
+    best = optimise(model, "fastest", budget=1200, settle_time=25.0, **kept)
+    offset, phase = np.meshgrid(
+        np.linspace(0, np.pi, 21), np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    )
+    n = offset.size
+    gaits = Gaits(
+        np.column_stack((offset.ravel(),) * 2),
+        np.full((n, 2), 0.3),
+        np.column_stack((np.zeros(n), phase.ravel())),
+        np.full(n, 8.0),
+    )
+    grid = steady_states(setting_of(model), gaits, cycles=34, counted=3, steps_per_cycle=10)
+    top = grid[:, 0].max()
+    assert top <= best.value < 1.01 * top
+    assert best.value == pytest.approx(0.0097, abs=5e-5)
+    np.testing.assert_allclose(best.gait.offset, np.pi / 2, atol=1e-3)
+    assert best.met and best.discrepancy < 5e-3 and best.lift_off_time is None
+    assert best.gait.offset[0] == best.gait.offset[1]
+    assert best.gait.amplitude.tolist() == pytest.approx([0.3, 0.3])
+
+
+@pytest.mark.parametrize(
+    ("goal", "column", "sign"),
+    [
+        (TightestTurn(min_speed=0.002), lambda t: np.abs(t.curvature), 1),
+        (LeastEffort(cost="work", min_speed=0.002), lambda t: t.power / t.speed, -1),
+    ],
+    ids=["tightest", "efficient"],
+)
+def test_no_other_gait_is_better(model: rr.FullModel, goal, column, sign: int) -> None:
+    """Against random gaits of the box that have the speed and are within the limits."""
+    box = {"offset": (0.5, 2.6), "amplitude": (0.1, 0.4), "frequency": (5.0, 10.0)}
+    best = optimise(model, goal, budget=1500, settle_time=SETTLE, **box)
+    assert best.met and best.steady_state.speed >= 0.002
+    space = Space(2, phase_difference=(0, 2 * np.pi), **box)
+    gaits = space.population(np.random.default_rng(99).random((600, space.n)))
+    table = Table(engine_of(model, SETTLE)(gaits), *gaits.extremes())
+    slack = GaitLimits().slack(table, 5.1, 0.4)
+    valid = np.all([s >= 0 for s, _ in slack.values()], axis=0) & (table.speed >= 0.002)
+    assert valid.sum() > 100
+    assert best.value == pytest.approx(float(column(_one(best))[0]), rel=1e-9)
+    assert sign * best.value > (sign * column(table)[valid]).max()
+
+
+def _one(found: OptimisedGait) -> Table:
+    row = np.array([[found.measured.get(name, 0.0) for name in COLUMNS]])
+    return Table(row, np.empty((1, 0)), np.zeros(1), np.zeros(1))
+
+
+def test_a_target_is_met(target: OptimisedGait) -> None:
+    state = target.steady_state
+    assert target.met and not target.shortfalls
+    assert state.speed == pytest.approx(0.006, rel=1e-3)
+    assert state.curvature == pytest.approx(-1.5, rel=1e-3)
+    assert target.evaluations <= 2500
+    assert target.value == pytest.approx(target.measured["rms_torque"])
+
+
+def test_the_gait_alone_does_what_the_result_says(
+    model: rr.FullModel, target: OptimisedGait
+) -> None:
+    gait = gait_from_dict(json.loads(json.dumps(target.to_dict()["gait"])))
+    t = rr.simulate(model, gait, 26 * 2 * np.pi / gait.angular_frequency.max(), 0.02)  # type: ignore[attr-defined]
+    state = t.steady_state()
+    assert state.speed == pytest.approx(0.006, rel=2e-2)
+    assert state.curvature == pytest.approx(-1.5, rel=3e-2)
+
+
+def test_the_same_seed_gives_the_same_bits(model: rr.FullModel) -> None:
+    def once(seed: int) -> OptimisedGait:
+        return optimise(model, "fastest", budget=400, settle_time=5.0, frequency=8.0, seed=seed)
+
+    first, again, other = once(3), once(3), once(5)
+    assert first.to_dict() == again.to_dict()
+    np.testing.assert_array_equal(first.history, again.history)
+    assert other.gait.to_dict() != first.gait.to_dict()
+
+
+def test_harmonics_give_a_fourier_gait_within_the_swing(model: rr.FullModel) -> None:
+    best = optimise(model, "fastest", budget=700, settle_time=SETTLE, harmonics=2,
+                    frequency=(6.0, 8.0), amplitude=(0.0, 0.3))  # fmt: skip
+    assert isinstance(best.gait, FourierGait) and best.gait.cosine.shape == (2, 2)
+    angle = best.gait(np.linspace(0, best.gait.period, 1000)).angle
+    assert np.abs(angle - best.gait.offset).max() < 0.3 * (1 + 3e-3)
+    again = gait_from_dict(best.to_dict()["gait"])
+    np.testing.assert_array_equal(again(0.3).angle, best.gait(0.3).angle)
+
+
+def test_numbers_that_are_kept_are_kept(model: rr.FullModel) -> None:
+    best = optimise(
+        model, "fastest", offset=[[1.0, 1.0], [1.2, 1.2]], amplitude=0.2, frequency=9.0,
+        phase_difference=0.5, settle_time=5.0,
+    )  # fmt: skip
+    assert best.evaluations == 1
+    assert best.gait.offset.tolist() == [1.0, 1.2]
+    assert best.gait.phase.tolist() == [0.0, 0.5]
+
+
+def test_any_robot_can_be_optimised() -> None:
+    """A tree with prismatic, revolute and continuous joints."""
+    model = rr.FullModel(random_robot(2, 3), damping=0.3)
+    best = optimise(model, "fastest", budget=300, settle_time=10.0, offset=(-0.1, 0.1),
+                    amplitude=(0.0, 0.1), frequency=(3.0, 5.0),
+                    limits=GaitLimits(min_clearance=-1.0))  # fmt: skip
+    assert best.gait.n_legs == 3 and best.value > 0 and best.discrepancy < 0.02
+
+
+def test_the_pivoting_model_can_be_optimised() -> None:
+    model = rr.PivotingModel(rr.Robot.from_parameters())
+    best = optimise(model, "fastest", amplitude=0.3, frequency=8.0, offset=np.pi / 2, budget=200,
+                    settle_time=SETTLE)  # fmt: skip
+    assert best.met and best.value == pytest.approx(0.00978, abs=1e-4)
+
+
+# Limits.
+
+
+def test_limits_hold_in_a_kkt_simulation(model: rr.FullModel) -> None:
+    limits = GaitLimits(
+        friction=0.05, max_curvature=0.5, max_torque=0.06, max_leg_acceleration=60.0, max_pitch=0.4
+    )
+    best = optimise(model, "fastest", limits=limits, budget=2000, settle_time=SETTLE)
+    assert best.met
+    t = rr.simulate(model, best.gait, 24.0, 0.01)
+    late = t.time > 18.0
+    assert t.normal_force.min() > 0.05 * 5.1
+    assert 0.04 < t.required_friction[late].max() < 0.05
+    assert np.abs(t.leg_torque[late]).max() < 0.06
+    assert np.abs(t.euler[:, 1]).max() < 0.4
+    assert abs(t.steady_state(start=18.0).curvature) < 0.5
+    motion = best.gait(np.linspace(0, 3, 2000))
+    assert np.abs(motion.acceleration).max() < 60.0
+    assert best.value > 0.005
+
+
+def test_an_unreachable_target_gives_the_nearest_and_says_so(model: rr.FullModel) -> None:
+    goal = TargetMotion(speed=0.05, curvature=0.0)
+    found = optimise(model, goal, budget=800, settle_time=SETTLE, tied=True, offset=np.pi / 2)
+    assert not found.met
+    (text,) = found.shortfalls
+    assert "instead of 0.05 and 0" in text and f"{found.steady_state.speed:.6g}" in text
+    assert "NOT MET" in repr(found)
+    # The nearest is the fastest straight gait.
+    assert found.steady_state.speed == pytest.approx(0.0269, rel=2e-2)
+    assert abs(found.steady_state.curvature) < 0.01
+
+
+def test_limits_that_no_gait_meets_are_named(model: rr.FullModel) -> None:
+    limits = GaitLimits(max_torque=1e-4)
+    found = optimise(model, "fastest", limits=limits, budget=150, settle_time=3.0, offset=1.0)
+    assert not found.met and any("motor torque above 0.0001" in s for s in found.shortfalls)
+    assert np.isnan(found.history[:, 1]).all()
+    with pytest.raises(rr.GaitError, match="no front"):
+        pareto_front(model, limits=limits, budget=300, settle_time=3.0, offset=1.0)
+
+
+def test_gaits_that_all_tip_over_are_an_error() -> None:
+    model = rr.FullModel(rr.Robot.from_parameters(rr.RRRobotParameters(leg_mass=1.0)))
+    with pytest.raises(rr.GaitError, match="90 degrees"):
+        optimise(model, "fastest", offset=np.pi / 2, amplitude=(2.8, 3.0), frequency=(5.0, 12.0),
+                 phase_difference=0.0, budget=100, settle_time=5.0)  # fmt: skip
+
+
+# The front.
+
+
+def test_the_front_is_ordered_and_nothing_dominates_it(front: ParetoFront) -> None:
+    assert 4 <= len(front) <= 6
+    assert np.all(np.diff(front.speed) > 0) and np.all(np.diff(front.cost) > 0)
+    speed, cost = front.tried.T
+    for v, c in zip(front.speed, front.cost, strict=True):
+        assert not np.any((speed >= v) & (cost < c) & (speed > 0))
+        assert not np.any((speed > v) & (cost <= c))
+    assert front.evaluations <= 3000 and front.discrepancy < 0.01
+
+
+def test_a_gait_of_the_front_costs_what_it_says(model: rr.FullModel, front: ParetoFront) -> None:
+    i = len(front) // 2
+    _, state, measured = confirm(model, front.gaits[i], SETTLE)
+    assert state.speed == pytest.approx(front.speed[i], rel=1e-4)
+    assert measured.rms_torque[0] == pytest.approx(front.cost[i], rel=1e-3)
+
+
+def test_the_fastest_of_the_front_is_the_fastest_of_all(front: ParetoFront) -> None:
+    assert front.speed[-1] == pytest.approx(0.0269, rel=5e-3)
+    assert json.loads(json.dumps(front.to_dict(), allow_nan=False))["cost"] == "torque"
+    assert "gaits" in repr(front)
+
+
+def test_the_figure_shows_the_front_with_units(front: ParetoFront) -> None:
+    figure = pareto(front)
+    top, *below = figure.axes
+    assert top.get_ylabel() == "rms motor torque [mN m]"
+    assert below[-1].get_xlabel() == "speed [mm/s]"
+    (line,) = [artist for artist in top.get_lines() if artist.get_label() == "Pareto front"]
+    np.testing.assert_allclose(line.get_xdata(), 1000 * front.speed)
+    assert all("[" in ax.get_ylabel() for ax in figure.axes)
+
+
+# Input.
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        ({"offset": (2.0, 1.0)}, "offset has the bounds 2 and 1 rad"),
+        ({"offset": (0.0, np.nan)}, "upper bound of offset is nan"),
+        ({"offset": "up"}, "offset is 'up'"),
+        ({"offset": (1.0, 2.0, 3.0)}, "offset has shape"),
+        ({"amplitude": (-0.1, 0.3)}, "lower bound of amplitude is -0.1 rad"),
+        ({"frequency": (0.0, 8.0)}, "lower bound of frequency"),
+        ({"frequency": (8.0, 1e6)}, "the most is 200"),
+        ({"frequency": [(1, 2), (3, 4)]}, "frequency has shape"),
+        ({"phase_difference": [(0, 1), (0, 1)]}, "phase_difference has shape"),
+        ({"harmonics": 0}, "harmonics is 0"),
+        ({"harmonics": 1.5}, "harmonics is 1.5"),
+        ({"budget": 10}, "budget is 10"),
+        ({"budget": 1e4}, "budget is 10000.0"),
+        ({"seed": -1}, "seed is -1"),
+        ({"settle_time": 0.0}, "settle_time is 0.0 s"),
+        ({"limits": {"friction": 0.3}}, "give GaitLimits"),
+        ({"goal": "quickest"}, "goal is 'quickest': it must be one of fastest, tightest"),
+        ({"goal": "target"}, "needs numbers"),
+    ],
+)
+def test_bad_input_is_told(model: rr.FullModel, options: dict, text: str) -> None:
+    goal = options.pop("goal", "fastest")
+    with pytest.raises(rr.ParameterError) as caught:
+        optimise(model, goal, **options)
+    assert text in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("make", "text"),
+    [
+        (lambda: TightestTurn(min_speed=0.0), "min_speed"),
+        (lambda: LeastEffort(cost="money"), "cost is 'money'"),
+        (lambda: TargetMotion(speed=0.01), "curvature"),
+        (lambda: TargetMotion(speed=0.01, curvature=1.0, yaw_rate=1.0), "one of the two"),
+        (lambda: TargetMotion(speed=-0.01, curvature=1.0), "speed is -0.01"),
+        (lambda: GaitLimits(friction=-0.1), "friction is -0.1"),
+        (lambda: GaitLimits(max_pitch=None), "max_pitch"),  # type: ignore[arg-type]
+        (lambda: GaitLimits(min_normal_force=-1.0), "min_normal_force"),
+    ],
+)
+def test_bad_goals_and_limits_are_told(make, text: str) -> None:
+    with pytest.raises(rr.ParameterError) as caught:
+        make()
+    assert text in str(caught.value)
+
+
+def test_models_that_do_not_fit_are_told(model: rr.FullModel) -> None:
+    robot = model.robot
+    with pytest.raises(rr.ModelError, match="does not travel"):
+        optimise(rr.YawModel(robot), "fastest")
+    with pytest.raises(rr.ModelError, match="no friction"):
+        optimise(rr.PivotingModel(robot), "fastest", limits=GaitLimits(friction=0.2))
+    with pytest.raises(rr.ModelError, match="give a model"):
+        optimise(robot, "fastest")  # type: ignore[arg-type]
+    slope = rr.FullModel(rr.Robot.from_parameters(ground_normal=(0.1, 0.0, 1.0)))
+    with pytest.raises(rr.ModelError, match="level ground"):
+        optimise(slope, "fastest")
+    with pytest.raises(rr.ParameterError, match="in metres"):
+        optimise(rr.FullModel(random_robot(2, 3)), "fastest")
+    with pytest.raises(rr.ParameterError, match="no legs"):
+        optimise(rr.FullModel(random_robot(2, 0)), "fastest")
+    with pytest.raises(rr.ParameterError, match="something to vary"):
+        pareto_front(model, offset=1.5, amplitude=0.3, frequency=8.0, phase_difference=1.0)
+    with pytest.raises(rr.ParameterError, match="cost is 'work'"):
+        pareto_front(model, cost="work")
+
+
+def test_gaits_from_dictionaries() -> None:
+    for gait in (rr.gait("circular"), rr.StillLegs((1.0, 2.0)),
+                 FourierGait(offset=(1, 2), cosine=[[0, 1]], sine=[[1, 0]],
+                             angular_frequency=3.0)):  # fmt: skip
+        again = gait_from_dict(gait.to_dict())
+        assert type(again) is type(gait) and again.to_dict() == gait.to_dict()
+    for data, text in (({"type": "callable"}, "callable"), ([], "list"), ({}, "None"),
+                       ({"type": "sinusoidal", "offset": 1}, "lacks amplitude")):  # fmt: skip
+        with pytest.raises(rr.GaitError, match=text):
+            gait_from_dict(data)  # type: ignore[arg-type]
+    assert isinstance(gait_from_dict(rr.gait("lateral").to_dict()), SinusoidalGait)
+
+
+def test_progress_is_told_within_the_budget(model: rr.FullModel) -> None:
+    calls: list[tuple[int, int]] = []
+    optimise(model, FastestTravel(), budget=150, settle_time=2.0,
+             progress=lambda used, budget: calls.append((used, budget)))  # fmt: skip
+    used, budgets = zip(*calls, strict=True)
+    assert list(used) == sorted(used) and used[-1] <= 150 and set(budgets) == {150}
+
+
+def test_importing_it_loads_neither_numba_nor_scipy() -> None:
+    code = "import sys, rrrobot.optimise, rrrobot.optimise_pareto; print(*sys.modules)"
+    loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert not {"numba", "scipy", "matplotlib"} & set(loaded.stdout.split())
