@@ -91,7 +91,9 @@ limit_options = option_group(
 @click.option("--damping-kind", type=click.Choice(("euler", "body")))
 @click.option("--settle-time", type=NUMBER, default="25", show_default=True, help="[s]")
 @click.option(
-    "--budget", type=int, help="Gaits to simulate; 20000, or 30000 for a front, unless given."
+    "--budget",
+    type=int,
+    help="Gaits to simulate; 20000 a harmonic, 30000 for a front, unless given.",
 )
 @click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same bits.")
 @click.option("--json", "as_json", is_flag=True, help="As JSON, SI units.")

@@ -37,7 +37,7 @@ def optimise(
     tied: bool = False,
     limits: GaitLimits | None = None,
     settle_time: float = 25.0,
-    budget: int = 20_000,
+    budget: int | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> OptimisedGait:
@@ -58,7 +58,7 @@ def optimise(
         limits: what the gait must respect; `GaitLimits()` unless given.
         settle_time: simulated before the cycles that count [s]. Twice the slowest decay is too
             short: `OptimisedGait.discrepancy` and `variation` tell.
-        budget: gaits that may be simulated, at least 100.
+        budget: gaits that may be simulated, at least 100; 20 000 for each harmonic unless given.
         seed: the same seed gives the same bits.
         progress: called with the gaits simulated so far and the budget.
 
@@ -84,8 +84,9 @@ def optimise(
         phase_difference=phase_difference, harmonics=harmonics, tied=tied,
     )  # fmt: skip
     limits = limits or GaitLimits()
+    budget = 20_000 * harmonics if budget is None else budget
     evaluator = prepare(model, space, limits, settle_time, budget, seed, progress)
-    task = Task(goal, limits, weight_of(model), space.largest_swing)
+    task = Task(goal, limits, weight_of(model))
     point = search(evaluator, task, np.random.default_rng(seed))
     settings = {"settle_time": float(settle_time), "budget": int(budget), "seed": int(seed)}
     return _result(model, evaluator, task, point, settings)
@@ -181,7 +182,7 @@ def _result(
 def _shortfalls(task: Task, measured: Table) -> tuple[str, ...]:
     """What the confirming simulation says that does not hold, in words."""
     goal = task.goal
-    slacks = task.limits.slack(measured, task.weight, task.largest_swing)
+    slacks = task.limits.slack(measured, task.weight)
     found = list(dict.fromkeys(text for slack, text in slacks.values() if not slack[0] >= 0))
     if measured.speed[0] < goal.min_speed:
         found.append(f"slower than {goal.min_speed:g} m/s")

@@ -107,7 +107,7 @@ def pareto_front(
     tied: bool = False,
     limits: GaitLimits | None = None,
     settle_time: float = 25.0,
-    budget: int = 30_000,
+    budget: int | None = None,
     seed: int = 0,
     progress: Progress | None = None,
 ) -> ParetoFront:
@@ -119,8 +119,9 @@ def pareto_front(
             |torque x rate|.
         points: equal steps of speed from zero, at least 2; the front has as many gaits unless one
             is the best for several.
-        offset, amplitude, frequency, phase_difference, harmonics, tied, limits, settle_time,
-            budget, seed, progress: as for `optimise`.
+        budget: gaits that may be simulated; 30 000 for each harmonic unless given.
+        offset, amplitude, frequency, phase_difference, harmonics, tied, limits, settle_time, seed,
+            progress: as for `optimise`.
 
     Raises:
         ParameterError, ModelError: as `optimise` raises.
@@ -134,6 +135,7 @@ def pareto_front(
         2
     """
     limits = limits or GaitLimits()
+    budget = 30_000 * harmonics if budget is None else budget
     LeastRate(rate=cost)
     check_whole("points", points, 2)
     space = Space(
@@ -143,7 +145,7 @@ def pareto_front(
     if space.n == 0:
         raise ParameterError("every bound is one number: a front needs something to vary.")
     evaluator = prepare(model, space, limits, settle_time, budget, seed, progress)
-    fastest = Task(FastestTravel(), limits, weight_of(model), space.largest_swing)
+    fastest = Task(FastestTravel(), limits, weight_of(model))
     evaluator.allowed = int(_FOR_FASTEST * budget)
     search(evaluator, fastest, np.random.default_rng(seed))
     evaluator.allowed = evaluator.budget

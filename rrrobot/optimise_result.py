@@ -125,10 +125,8 @@ def confirm(model: Model, gait: Gait, settle_time: float) -> tuple[Trajectory, S
     }
     values = np.array([[row[name] for name in COLUMNS]])
     motion = gait(np.linspace(0.0, period, 513))
-    swing = motion.angle - motion.angle[:-1].mean(axis=0)
-    sides = np.concatenate((swing.max(axis=0), -swing.min(axis=0)))
     largest = (np.array([np.abs(x).max()]) for x in (motion.rate, motion.acceleration))
-    return t, state, Table(values, sides[None], *largest)
+    return t, state, Table(values, *largest)
 
 
 def _clearance(trajectory: Trajectory, samples: slice) -> float:

@@ -2,8 +2,11 @@
 
 A family of gaits has one frequency, and for each leg k
 
-    phi_k = offset_k + amplitude_k sin(w t + phase_k) + sum over j = 2 .. harmonics of
-            sine_jk sin(j w t) + cosine_jk cos(j w t),        phase_1 = 0.
+    phi_k = offset_k + amplitude_k sin(u_k) + sum over j = 2 .. harmonics of
+            sine_jk sin(j u_k) + cosine_jk cos(j u_k),    u_k = w t + phase_k,    phase_1 = 0,
+
+and where that swings farther from the offset than the upper bound of the amplitude, it is scaled
+down to it.
 
 A point of the box holds those of these numbers whose bounds differ, each scaled to 0 .. 1.
 """
@@ -13,14 +16,14 @@ from __future__ import annotations
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rrrobot.checks import Array, finite
 from rrrobot.errors import ParameterError
 from rrrobot.gaits import FourierGait, SinusoidalGait
 
 MAX_HARMONICS = 6
-_SWING_POINTS = 256
+_POINTS = 256
 
 
 class Population(NamedTuple):
@@ -35,24 +38,28 @@ class Population(NamedTuple):
     angular_frequency: Array
     """(n,) [rad/s]"""
 
-    def extremes(self) -> tuple[Array, Array, Array]:
-        """Swings of each leg to both sides (n, 2 legs), and largest rate and acceleration (n,).
-
-        A sinusoid's swing is its amplitude, which bounds keep: then there are none, (n, 0).
-        """
+    def motion(self) -> tuple[Array, Array, Array]:
+        """Swings, rates and accelerations through a period (n, _POINTS, legs)."""
         harmonic = np.arange(1, self.sine.shape[1] + 1)[:, None]
-        scale = self.angular_frequency[:, None, None] * harmonic
-        if len(harmonic) == 1:
-            size = np.hypot(self.sine, self.cosine)
-            rate, acceleration = ((size * scale**p).max(axis=(1, 2)) for p in (1, 2))
-            return np.empty((len(size), 0)), rate, acceleration
-        turn = 2 * np.pi * np.arange(_SWING_POINTS) / _SWING_POINTS * harmonic
+        turn = 2 * np.pi * np.arange(_POINTS) / _POINTS * harmonic
         s, c = np.sin(turn).T, np.cos(turn).T
-        swing = s @ self.sine + c @ self.cosine
-        rate = c @ (scale * self.sine) - s @ (scale * self.cosine)
-        acceleration = s @ (scale**2 * self.sine) + c @ (scale**2 * self.cosine)
-        largest = (np.abs(x).max(axis=(1, 2)) for x in (rate, acceleration))
-        return np.column_stack((swing.max(axis=1), -swing.min(axis=1))), *largest
+        w = self.angular_frequency[:, None, None] * harmonic
+        swing, rate = s @ self.sine + c @ self.cosine, c @ (w * self.sine) - s @ (w * self.cosine)
+        return swing, rate, -(s @ (w * w * self.sine) + c @ (w * w * self.cosine))
+
+    def fastest(self) -> tuple[Array, Array]:
+        """Largest rate and acceleration of any leg, each (n,)."""
+        if self.sine.shape[1] == 1:
+            swing = np.hypot(self.sine, self.cosine).max(axis=(1, 2))
+            return swing * self.angular_frequency, swing * self.angular_frequency**2
+        _, rate, acceleration = self.motion()
+        return np.abs(rate).max(axis=(1, 2)), np.abs(acceleration).max(axis=(1, 2))
+
+    def within(self, swing: Array) -> Population:
+        """The gaits, those legs scaled down that swing more than (legs,) to a side."""
+        largest = np.abs(self.motion()[0]).max(axis=1)
+        factor = swing / np.maximum(largest, np.maximum(swing, 1e-300))
+        return self._replace(sine=self.sine * factor[:, None], cosine=self.cosine * factor[:, None])
 
 
 class Space:
@@ -71,7 +78,7 @@ class Space:
     Attributes:
         lower, upper: bounds of every number (m,).
         free: indices of those that may vary (n,).
-        names: of every number.
+        largest_swing: upper bounds of the amplitudes (legs,) [rad].
 
     Raises:
         ParameterError: bounds that are reversed, out of range, or of the wrong shape.
@@ -97,10 +104,15 @@ class Space:
         self.legs, self.harmonics, self.tied = legs, int(harmonics), bool(tied)
         each = 1 if tied else legs
         swing = bounds("amplitude", amplitude, each, "rad", at_least=0.0)
-        higher = np.concatenate([swing[:, 1] / j for j in range(2, harmonics + 1)] or [np.zeros(0)])
+        # No harmonic of a swing within +-a is larger than a square wave's first one, 4 a / pi.
+        square = 4 / np.pi * swing[:, 1]
+        higher = np.concatenate([square / j for j in range(2, harmonics + 1)] or [np.zeros(0)])
+        first = swing.copy()
+        if harmonics > 1:
+            first[:, 1] = np.where(swing[:, 1] > swing[:, 0], square, swing[:, 1])
         parts = {
             "offset": bounds("offset", offset, each, "rad"),
-            "amplitude": swing,
+            "amplitude": first,
             "phase": bounds("phase_difference", phase_difference, legs - 1, "rad"),
             "sine": np.column_stack((-higher, higher)),
             "cosine": np.column_stack((-higher, higher)),
@@ -109,9 +121,15 @@ class Space:
         self._sizes = {name: len(part) for name, part in parts.items()}
         self.lower, self.upper = np.concatenate(list(parts.values())).T
         self.free = np.flatnonzero(self.upper > self.lower)
-        self.largest_swing = float(swing[:, 1].max())
-        first = self._sizes["offset"] + self._sizes["amplitude"]
-        phases = np.arange(first, first + self._sizes["phase"])
+        self.largest_swing = swing[:, 1] * np.ones(legs)
+        self._given = {
+            "offset": parts["offset"],
+            "amplitude": swing,
+            "phase_difference": parts["phase"],
+            "frequency": parts["frequency"],
+        }
+        start = self._sizes["offset"] + self._sizes["amplitude"]
+        phases = np.arange(start, start + self._sizes["phase"])
         self._whole_turns = phases[(self.upper - self.lower)[phases] > 2 * np.pi - 1e-9]
 
     @property
@@ -125,11 +143,10 @@ class Space:
         low[self._whole_turns], high[self._whole_turns] = -1.0, 2.0
         return low[self.free], high[self.free]
 
-    def sinusoids(self, points: Array) -> Array:
-        """The points (s, n) with their higher harmonics taken away."""
+    def sinusoidal(self) -> NDArray[np.bool_]:
+        """Which coordinates (n,) are not those of higher harmonics, which vanish at 0.5."""
         at = self._sizes["offset"] + self._sizes["amplitude"] + self._sizes["phase"]
-        higher = (self.free >= at) & (self.free < self.lower.size - 1)
-        return np.where(higher, 0.5, points)
+        return np.asarray((self.free < at) | (self.free == self.lower.size - 1))
 
     def population(self, points: Array) -> Population:
         """Gaits of points (s, n)."""
@@ -138,18 +155,19 @@ class Space:
         edges = np.cumsum(list(self._sizes.values()))[:-1]
         offset, amplitude, phase, sine, cosine, omega = np.split(values, edges, axis=1)
         s, legs, rest = len(points), self.legs, self.harmonics - 1
-        phase = np.column_stack((np.zeros(s), phase))
+        turn = np.column_stack((np.zeros(s), phase))[:, None] * np.arange(1, rest + 2)[:, None]
         shape = (s, rest, 1 if self.tied else legs)
-        first = amplitude * np.ones(legs)
-        whole = np.ones((s, rest, legs))
-        return Population(
+        own_sine = np.zeros((s, rest + 1, legs))
+        own_cosine = own_sine.copy()
+        own_sine[:, 0] = amplitude
+        own_sine[:, 1:], own_cosine[:, 1:] = sine.reshape(shape), cosine.reshape(shape)
+        gaits = Population(
             np.ascontiguousarray(offset * np.ones(legs)),
-            np.concatenate(((first * np.cos(phase))[:, None], sine.reshape(shape) * whole), axis=1),
-            np.concatenate(
-                ((first * np.sin(phase))[:, None], cosine.reshape(shape) * whole), axis=1
-            ),
+            own_sine * np.cos(turn) - own_cosine * np.sin(turn),
+            own_sine * np.sin(turn) + own_cosine * np.cos(turn),
             omega[:, 0].copy(),
         )
+        return gaits.within(self.largest_swing) if rest else gaits
 
     def gait(self, point: Array) -> SinusoidalGait | FourierGait:
         """The gait of one point (n,)."""
@@ -167,11 +185,7 @@ class Space:
 
     def to_dict(self) -> dict[str, Any]:
         """Bounds as plain data."""
-        edges = np.cumsum(list(self._sizes.values()))[:-1]
-        pairs = np.split(np.column_stack((self.lower, self.upper)), edges)
-        named = {name: pair.tolist() for name, pair in zip(self._sizes, pairs, strict=True)}
-        del named["sine"], named["cosine"]
-        named["phase_difference"] = named.pop("phase")
+        named = {name: pairs.tolist() for name, pairs in self._given.items()}
         return named | {"harmonics": self.harmonics, "tied": self.tied}
 
 

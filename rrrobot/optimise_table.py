@@ -30,16 +30,11 @@ largest motor torque; mean of the sum of |torque x rate|; least height of a leg'
 the ground; why the engine stopped, 0 if it did not. For a prismatic leg, torques are forces."""
 
 
-SWING_ROUNDING = 2e-3
-"""Part of the largest swing that sampling its harmonics may miss."""
-
-
 class Table:
     """Results of gaits by name: `table.speed` is an array (n,).
 
     Args:
         values: (n, len(COLUMNS)).
-        swing: of each leg to both sides (n, k); none of sinusoids.
         rate, acceleration: the largest of any leg (n,).
     """
 
@@ -55,10 +50,10 @@ class Table:
     clearance: Array
     status: Array
 
-    def __init__(self, values: Array, swing: Array, rate: Array, acceleration: Array) -> None:
+    def __init__(self, values: Array, rate: Array, acceleration: Array) -> None:
         for i, name in enumerate(COLUMNS):
             setattr(self, name, values[:, i])
-        self.swing, self.rate, self.acceleration = swing, rate, acceleration
+        self.rate, self.acceleration = rate, acceleration
 
     @property
     def curvature(self) -> Array:
@@ -72,16 +67,13 @@ class Table:
 
     def rows(self, which: NDArray[Any] | slice) -> Table:
         """Some of the gaits: indices or a mask."""
-        return Table(
-            self.values[which], self.swing[which], self.rate[which], self.acceleration[which]
-        )
+        return Table(self.values[which], self.rate[which], self.acceleration[which])
 
     @staticmethod
     def joined(tables: Sequence[Table]) -> Table:
         """Several tables one after the other."""
         legs = (
-            np.concatenate([getattr(t, name) for t in tables])
-            for name in ("swing", "rate", "acceleration")
+            np.concatenate([getattr(t, name) for t in tables]) for name in ("rate", "acceleration")
         )
         return Table(np.concatenate([t.values for t in tables]), *legs)
 
@@ -135,9 +127,7 @@ class GaitLimits:
             elif value is not None or name in ("max_pitch", "max_variation"):
                 finite(name, value, above=0.0)
 
-    def slack(
-        self, table: Table, weight: float, largest_swing: float
-    ) -> dict[str, tuple[Array, str]]:
+    def slack(self, table: Table, weight: float) -> dict[str, tuple[Array, str]]:
         """For each limit, how far inside it the gaits are (n,), of order one, and what it means.
 
         A negative entry is a violation.
@@ -154,11 +144,11 @@ class GaitLimits:
                 f"not steady: steps vary by more than {self.max_variation:g}",
             ),
         }
-        for i, swing in enumerate(t.swing.T):
-            found[f"swing {i}"] = (
-                1.0 + SWING_ROUNDING - swing / max(largest_swing, 1e-9),
-                f"legs swing more than {largest_swing:g} rad",
-            )
+        if self.max_curvature is not None:
+            # One for each side: an absolute value would be bent where straight gaits are.
+            bend, text = t.curvature / self.max_curvature, "turns tighter than {:g} 1/m"
+            found["left"] = (1.0 - bend, text.format(self.max_curvature))
+            found["right"] = (1.0 + bend, text.format(self.max_curvature))
         if weight > 0:
             found["min_normal_force"] = (
                 t.normal_force / weight - self.min_normal_force,
@@ -166,7 +156,6 @@ class GaitLimits:
             )
         tops = {
             "friction": (t.friction, "needs a friction coefficient above {:g}"),
-            "max_curvature": (np.abs(t.curvature), "turns tighter than {:g} 1/m"),
             "max_torque": (t.peak_torque, "motor torque above {:g} N m"),
             "max_leg_rate": (t.rate, "leg rate above {:g} rad/s"),
             "max_leg_acceleration": (t.acceleration, "leg acceleration above {:g} rad/s^2"),

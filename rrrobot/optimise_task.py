@@ -65,7 +65,7 @@ class Evaluator:
         if self.used + len(points) > self.allowed:
             raise Spent
         gaits = self.space.population(points)
-        table = Table(self.engine(gaits), *gaits.extremes())
+        table = Table(self.engine(gaits), *gaits.fastest())
         self.used += len(points)
         self._points.append(points.copy())
         self._tables.append(table)
@@ -87,7 +87,6 @@ class Task(NamedTuple):
     limits: GaitLimits
     weight: float
     """of the robot [N]; 0 for a pivoted model, which has no ground to lift off from"""
-    largest_swing: float
     tolerance: float = 0.02
     """of targets, relative, in a score"""
 
@@ -95,9 +94,7 @@ class Task(NamedTuple):
         """How far inside each limit the gaits are (n,), of order one."""
         found = {
             name: slack - margin * (name not in _EXACT)
-            for name, (slack, _) in self.limits.slack(
-                table, self.weight, self.largest_swing
-            ).items()
+            for name, (slack, _) in self.limits.slack(table, self.weight).items()
         }
         if self.goal.min_speed > 0:
             found["min_speed"] = table.speed / self.goal.min_speed - 1.0 - 0.05 * margin

@@ -103,7 +103,7 @@ def test_results_equal_those_of_a_kkt_simulation(harmonics: int) -> None:
     damping = rr.EulerRateDamping(0.01, 0.01, 0.01, legs=0.003)
     model = rr.FullModel(rr.Robot.from_parameters(), damping=damping)
     gaits = population(1, harmonics, seed=7)
-    found = Table(engine_of(model, 12.0)(gaits), *gaits.extremes())
+    found = Table(engine_of(model, 12.0)(gaits), *gaits.fastest())
     gait = FourierGait(offset=gaits.offset[0], cosine=gaits.cosine[0], sine=gaits.sine[0],
                        angular_frequency=float(gaits.angular_frequency[0]))  # fmt: skip
     _, state, measured = confirm(model, gait, 12.0)
@@ -113,8 +113,6 @@ def test_results_equal_those_of_a_kkt_simulation(harmonics: int) -> None:
                  "clearance"):  # fmt: skip
         a, b = getattr(found, name)[0], getattr(measured, name)[0]
         assert a == pytest.approx(b, rel=5e-3), name
-    if harmonics > 1:
-        np.testing.assert_allclose(found.swing, measured.swing, rtol=3e-3)
     for name in ("rate", "acceleration"):
         a, b = getattr(found, name)[0], getattr(measured, name)[0]
         assert a == pytest.approx(b, rel=3e-3), name
@@ -179,8 +177,8 @@ def test_no_other_gait_is_better(model: rr.FullModel, goal, column, sign: int) -
     assert best.met and best.steady_state.speed >= 0.002
     space = Space(2, phase_difference=(0, 2 * np.pi), **box)
     gaits = space.population(np.random.default_rng(99).random((600, space.n)))
-    table = Table(engine_of(model, SETTLE)(gaits), *gaits.extremes())
-    slack = GaitLimits().slack(table, 5.1, 0.4)
+    table = Table(engine_of(model, SETTLE)(gaits), *gaits.fastest())
+    slack = GaitLimits().slack(table, 5.1)
     valid = np.all([s >= 0 for s, _ in slack.values()], axis=0) & (table.speed >= 0.002)
     assert valid.sum() > 100
     assert best.value == pytest.approx(float(column(_one(best))[0]), rel=1e-9)
@@ -189,7 +187,7 @@ def test_no_other_gait_is_better(model: rr.FullModel, goal, column, sign: int) -
 
 def _one(found: OptimisedGait) -> Table:
     row = np.array([[found.measured.get(name, 0.0) for name in COLUMNS]])
-    return Table(row, np.empty((1, 0)), np.zeros(1), np.zeros(1))
+    return Table(row, np.zeros(1), np.zeros(1))
 
 
 def test_a_target_is_met(target: OptimisedGait) -> None:
