@@ -1,4 +1,4 @@
-"""The rolling contact on your own Pinocchio model: point, Jacobian, drift, and a check of them."""
+"""How do I roll my own Pinocchio model? Contact point, Jacobian and drift, and a check of them."""
 
 from pathlib import Path
 

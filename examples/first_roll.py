@@ -1,4 +1,4 @@
-"""RRRobot's two gaits: speed and yaw rate beside independent values, plots and a film in ./out."""
+"""Does RRRobot roll? Its two gaits: speed and yaw rate beside independent values, plots, a film."""
 
 from pathlib import Path
 

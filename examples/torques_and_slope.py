@@ -1,4 +1,4 @@
-"""Motors instead of a prescribed gait, on a slope: a feedback law lifts the legs and holds them."""
+"""What if motors drive the legs, on a slope? A feedback law lifts the legs and holds them."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Make any URDF robot with a round belly roll: here solo12 of example-robot-data, legs in the air.
+"""How does my robot roll on a round belly? Any URDF: solo12 of example-robot-data, legs in the air.
 
 Needs the extra `robots`. Writes a film and a plot.
 """

@@ -1,5 +1,6 @@
-"""Every example runs by itself, headless, and writes what it says."""
+"""Every example asks a question, runs by itself, headless, and writes what it says."""
 
+import ast
 import re
 import subprocess
 import sys
@@ -12,7 +13,9 @@ EXAMPLES = sorted((Path(__file__).parent.parent / "examples").glob("*.py"))
 
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda p: p.stem)
 def test_example(path, tmp_path):
-    assert len(path.read_text().splitlines()) < 60
+    text = path.read_text()
+    assert len(text.splitlines()) < 60
+    assert "?" in ast.get_docstring(ast.parse(text)).splitlines()[0]
     run = subprocess.run(
         [sys.executable, str(path)], cwd=tmp_path, capture_output=True, text=True, timeout=120
     )
