@@ -63,12 +63,12 @@ def _start_independence(shop: Workshop) -> Result:
         {"start": (1.0, -1.0, 2.0)},
         {"euler": (-0.4, 0.4, 0.0), "start": (0.0, 0.0, -3.0)},
     )
-    reference = settled(model, circular, cycles=64).steady_state()
-    found = [settled(model, circular, cycles=64, **start).steady_state() for start in starts]
+    reference = settled(model, circular, cycles=48).steady_state()
+    found = [settled(model, circular, cycles=48, **start).steady_state() for start in starts]
     speed = max(abs(s.speed / reference.speed - 1) for s in found)
     rate = max(abs(s.yaw_rate / reference.yaw_rate - 1) for s in found)
     later = [
-        settled(model, both_legs(math.pi / 4, start=s), cycles=64).steady_state() for s in (1, 2, 4)
+        settled(model, both_legs(math.pi / 4, start=s), cycles=48).steady_state() for s in (1, 2, 4)
     ]
     phases = max(abs(s.yaw_rate / reference.yaw_rate - 1) for s in later)
     phases_speed = max(abs(s.speed / reference.speed - 1) for s in later)
