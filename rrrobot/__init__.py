@@ -87,6 +87,7 @@ from rrrobot.reduction_checks import (
 from rrrobot.reduction_heights import height_grid, zero_set
 from rrrobot.reduction_paths import LegMoves, one_leg_gait, out_of_phase_gait
 from rrrobot.reduction_yaw import net_yaw
+from rrrobot.reproduction.run import reproduce
 from rrrobot.robot import Robot
 from rrrobot.rolling import contact_path, contact_velocity, sphere_contact_rate
 from rrrobot.simulate import simulate
@@ -195,6 +196,7 @@ __all__ = [
     "record",
     "reduced_urdf",
     "reducibility",
+    "reproduce",
     "rolling_null_space",
     "rolling_pendulum_period",
     "rolling_projector",

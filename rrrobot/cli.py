@@ -16,6 +16,7 @@ import click
 from rrrobot.cli_compare import compare_command, periods
 from rrrobot.cli_optimise import optimise_command
 from rrrobot.cli_reduce import reduce_command
+from rrrobot.cli_reproduce import reproduce_command
 from rrrobot.cli_simulate import simulate
 from rrrobot.cli_sweep import sweep_command
 from rrrobot.cli_view import robots, view
@@ -65,6 +66,7 @@ for _command in (
     compare_command,
     periods,
     reduce_command,
+    reproduce_command,
     optimise_command,
     view,
     robots,

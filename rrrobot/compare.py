@@ -79,6 +79,7 @@ def compare(
     duration: float = 30.0,
     sample_interval: float = 0.01,
     *,
+    method: str = "kkt",
     progress: Callable[[str], None] | None = None,
 ) -> Comparison:
     """Simulate the full, pivoting and decoupled models on a gait, each with the paper's damping.
@@ -88,6 +89,7 @@ def compare(
         gait: with a period.
         duration: [s]; the steady state is measured over its second half.
         sample_interval: [s].
+        method: of the full and the pivoting model, as for `simulate`.
         progress: called with the name of each model as it starts.
 
     Raises:
@@ -104,9 +106,10 @@ def compare(
     tell = progress or (lambda name: None)
     runs: dict[str, Trajectory] = {}
     tell("full")
-    runs["full"] = simulate(FullModel(robot), gait, duration, sample_interval)
+    runs["full"] = simulate(FullModel(robot), gait, duration, sample_interval, method=method)
     tell("pivoting")
-    runs["pivoting"] = simulate(PivotingModel(robot), gait, duration, sample_interval)
+    pivoting = PivotingModel(robot)
+    runs["pivoting"] = simulate(pivoting, gait, duration, sample_interval, method=method)
     tell("decoupled")
     runs["decoupled"] = decoupled(robot, gait, duration, sample_interval)
     factor = None

@@ -10,6 +10,7 @@ from rrrobot.checks import Array, vector
 from rrrobot.compare import Comparison
 from rrrobot.errors import ModelError
 from rrrobot.figures.style import BLACK, FONT, GREY, PALE, legend_above, line, new_figure, tidy
+from rrrobot.figures.trajectory import cycle_mean
 from rrrobot.rotations import rotation_from_quaternion
 from rrrobot.surfaces import Sphere
 from rrrobot.trajectory import Trajectory
@@ -82,14 +83,7 @@ def cycle_means(trajectory: Trajectory) -> Array | None:
     period = trajectory.period
     if period is None or period > trajectory.time[-1]:
         return None
-    from scipy.interpolate import make_interp_spline
-
-    integral = make_interp_spline(trajectory.time, trajectory.position, k=3).antiderivative()
-    centres = trajectory.time[
-        (trajectory.time >= period / 2) & (trajectory.time <= trajectory.time[-1] - period / 2)
-    ]
-    means: Array = (integral(centres + period / 2) - integral(centres - period / 2)) / period
-    return means
+    return cycle_mean(trajectory.time, trajectory.position, period)[1]
 
 
 def _nearest(trajectory: Trajectory, mark: float, n: int) -> int:

@@ -82,15 +82,14 @@ def cycle_mean(time: Array, values: Array, period: float) -> tuple[Array, Array]
     Returns:
         times (m,) and means (m, k); m = 0 if the run is shorter than a period.
     """
-    steps = 0.5 * (values[1:] + values[:-1]) * np.diff(time)[:, None]
-    integral = np.vstack((np.zeros(values.shape[1]), np.cumsum(steps, axis=0)))
+    from scipy.interpolate import make_interp_spline
+
     half = 0.5 * period
     middle = time[(time >= time[0] + half) & (time <= time[-1] - half)]
-    columns = [
-        np.interp(middle + half, time, column) - np.interp(middle - half, time, column)
-        for column in integral.T
-    ]
-    return middle, np.column_stack(columns) / period
+    if not middle.size:
+        return middle, np.empty((0, values.shape[1]))
+    integral = make_interp_spline(time, values, k=min(3, time.size - 1)).antiderivative()
+    return middle, (integral(middle + half) - integral(middle - half)) / period
 
 
 def _angles(trajectory: Trajectory, ax: Axes) -> None:

@@ -38,11 +38,12 @@ class Workshop:
     """RRRobot of Table 2, its two gaits, and sweeps over the paper's plane of gaits.
 
     Args:
-        quick: coarse grids, for a first look.
+        quick: coarse grids, and the momentum method for the two gaits, for a first look.
         robot: another with two legs and a sphere about the root link's origin; RRRobot if None.
 
     Attributes:
         offset, phase_difference: the plane of gaits, 0 .. pi and 0 .. 2 pi [rad].
+        full: the full model with the paper's damping.
     """
 
     def __init__(self, *, quick: bool = False, robot: Robot | None = None) -> None:
@@ -51,13 +52,15 @@ class Workshop:
         n = COARSE if quick else FINE
         self.offset = np.linspace(0.0, np.pi, n)
         self.phase_difference = np.linspace(0.0, 2 * np.pi, n)
+        self.full = FullModel(self.robot)
         self._comparisons: dict[str, Comparison] = {}
         self._planes: dict[str, xr.Dataset] = {}
 
     def comparison(self, name: str) -> Comparison:
         """The models on the "lateral" or "circular" gait over 30 s."""
         if name not in self._comparisons:
-            self._comparisons[name] = compare(self.robot, gait(name))
+            method = "momentum" if self.quick else "kkt"
+            self._comparisons[name] = compare(self.robot, gait(name), method=method)
         return self._comparisons[name]
 
     def plane(self, name: str) -> xr.Dataset:

@@ -1,0 +1,164 @@
+"""Make the tables, figures and claims of the paper, and the report."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import math
+from collections.abc import Callable, Sequence
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from rrrobot.errors import OutputError, ParameterError, RRRobotError
+from rrrobot.files import write_whole
+from rrrobot.reproduction.claims import CLAIMS
+from rrrobot.reproduction.errata import ERRATA
+from rrrobot.reproduction.item import Item, rows_to_data
+from rrrobot.reproduction.paths import PATHS
+from rrrobot.reproduction.planes import PLANES
+from rrrobot.reproduction.report import About, Section, markdown, page
+from rrrobot.reproduction.schematics import SCHEMATICS
+from rrrobot.reproduction.tables import TABLES
+from rrrobot.reproduction.workshop import Workshop
+
+_FIGURES = sorted((*SCHEMATICS, *PATHS, *PLANES), key=lambda item: int(item.key[3:]))
+ITEMS: tuple[Item, ...] = (*TABLES, *_FIGURES, *CLAIMS, *ERRATA)
+"""All of the paper, in the order of the report."""
+_PACKAGES = ("rrrobot", "pin", "numpy", "scipy", "numba", "matplotlib")
+
+Progress = Callable[[str, int, int], None]
+"""Called with an item's key before it is made, how many are done, and how many there are."""
+
+
+class Reproduction(NamedTuple):
+    """What was made.
+
+    Attributes:
+        sections: of the report, one an item.
+        report: the HTML page.
+        kept: keys of items that an earlier run had finished.
+    """
+
+    sections: list[Section]
+    report: Path
+    kept: list[str]
+
+
+def reproduce(
+    out: str | Path,
+    *,
+    only: Sequence[str] | None = None,
+    quick: bool = False,
+    resume: bool = True,
+    progress: Progress | None = None,
+) -> Reproduction:
+    """Make the paper's tables, figures and claims anew, and a report that sets them beside it.
+
+    Each finished item leaves `<key>.json` and its pictures in the folder, so that an interrupted
+    run goes on where it stopped. What another version of the code made is made again.
+
+    Args:
+        out: folder, made if it is missing; it takes report.html, report.md, pictures and data.
+        only: keys of items, such as ["fig18", "table3"]; all if None. The report holds these
+            and what is finished already.
+        quick: coarse grids for the maps, and the momentum method.
+        resume: False: make what is finished anew.
+        progress: called as each item begins.
+
+    Returns:
+        the sections and the report.
+
+    Raises:
+        ParameterError: a key that is not one of `ITEMS`.
+        OutputError: the folder cannot be made or written.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> found = rr.reproduce("paper", only=["table2"])
+        >>> found.sections[0].rows[0]["verdict"]
+        'agrees'
+    """
+    chosen = _chosen(only)
+    folder = _folder(Path(out))
+    mark = _fingerprint(quick)
+    finished = {item.key: found for item in ITEMS if (found := _finished(folder, item, mark))}
+    kept = [item.key for item in chosen if item.key in finished] if resume else []
+    shop = Workshop(quick=quick)
+    tell = progress or (lambda key, done, total: None)
+    todo = [item for item in chosen if item.key not in kept]
+    for i, item in enumerate(todo):
+        tell(item.key, i, len(todo))
+        finished[item.key] = _make(item, shop, folder, mark)
+    sections = [finished[item.key] for item in ITEMS if item.key in finished]
+    missing = [item.key for item in ITEMS if item.key not in finished]
+    about = About({name: version(name) for name in _PACKAGES}, quick, missing)
+    write_whole(folder / "report.md", markdown(sections, about).encode())
+    report = write_whole(folder / "report.html", page(sections, about).encode())
+    asked = [finished[item.key] for item in chosen]
+    return Reproduction(asked, report, kept)
+
+
+def _chosen(only: Sequence[str] | None) -> list[Item]:
+    if only is None:
+        return list(ITEMS)
+    known = [item.key for item in ITEMS]
+    wrong = [key for key in only if key not in known]
+    if wrong or not only:
+        raise ParameterError(
+            f"only is {', '.join(wrong) or 'empty'}: choose from {', '.join(known)}."
+        )
+    return [item for item in ITEMS if item.key in only]
+
+
+def _folder(folder: Path) -> Path:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"cannot make the folder {str(folder)!r}: {error.strerror}.") from None
+    return folder
+
+
+def _make(item: Item, shop: Workshop, folder: Path, mark: str) -> Section:
+    from rrrobot.figures.style import write_figure
+
+    found = item.make(shop)
+    for row in found.rows:
+        if not isinstance(row.ours, str) and not math.isfinite(row.ours):
+            raise RRRobotError(
+                f"{item.key}: {row.quantity!r} came out as {row.ours}; nothing of it was written. "
+                "Please report this."
+            )
+    files = [
+        write_figure(figure, folder / f"{name}.png").name for name, figure in found.figures.items()
+    ]
+    # Written last: where it is, the pictures are whole.
+    section = Section(
+        item.key, item.title, item.shows, rows_to_data(found.rows), list(found.remarks), files
+    )
+    data = section._asdict() | {"made_by": mark}
+    text = json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False)
+    write_whole(folder / f"{item.key}.json", (text + "\n").encode())
+    return section
+
+
+def _finished(folder: Path, item: Item, mark: str) -> Section | None:
+    """What an earlier run of the same code made, if it is whole."""
+    try:
+        data: dict[str, Any] = json.loads((folder / f"{item.key}.json").read_text())
+        if data.pop("made_by") != mark:
+            return None
+        section = Section(**data)
+    except (OSError, ValueError, TypeError, KeyError, AttributeError):
+        return None
+    return section if all((folder / name).is_file() for name in section.files) else None
+
+
+def _fingerprint(quick: bool) -> str:
+    """Of the code, what it builds on, and the grids."""
+    digest = hashlib.sha256()
+    root = Path(__file__).parent.parent
+    for path in sorted(root.rglob("*.py")):
+        digest.update(path.relative_to(root).as_posix().encode() + b"\0" + path.read_bytes())
+    digest.update(repr(([version(name) for name in _PACKAGES], quick)).encode())
+    return digest.hexdigest()[:16]

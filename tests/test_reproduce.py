@@ -1,0 +1,239 @@
+"""`rrrobot reproduce`: items, report, resuming, and numbers against independent ones."""
+
+from __future__ import annotations
+
+import json
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import rrrobot as rr
+from rrrobot.cli import cli
+from rrrobot.figures import paper
+from rrrobot.figures.schematic import mass_points, schematic
+from rrrobot.figures.unicycle import unicycle_path
+from rrrobot.reproduction import run
+from rrrobot.reproduction.item import AGREES, DIFFERS, ERRATUM, OPEN, Item, Result, feature, number
+from rrrobot.reproduction.run import ITEMS, Reproduction, reproduce
+from rrrobot.reproduction.workshop import Workshop
+
+PAPER_ITEMS = [f"table{i}" for i in range(1, 5)] + [f"fig{i}" for i in range(1, 23)]
+
+
+@pytest.fixture(scope="module")
+def made(tmp_path_factory: pytest.TempPathFactory) -> Reproduction:
+    return reproduce(tmp_path_factory.mktemp("paper"), only=PAPER_ITEMS + ERRATA, quick=True)
+
+
+ERRATA = [item.key for item in ITEMS if item.key.startswith(("erratum", "open"))]
+
+
+@pytest.fixture(scope="module")
+def rows(made: Reproduction) -> dict[tuple[str, str], dict]:
+    return {(s.key, row["quantity"]): row for s in made.sections for row in s.rows}
+
+
+def test_every_table_and_figure_of_the_paper_is_there() -> None:
+    assert [item.key for item in ITEMS][: len(PAPER_ITEMS)] == PAPER_ITEMS
+    assert len({item.key for item in ITEMS}) == len(ITEMS)
+
+
+def test_every_figure_has_a_picture_and_numbers(made: Reproduction) -> None:
+    for section in made.sections:
+        assert section.rows, section.key
+        if section.key.startswith("fig"):
+            assert section.files == [f"{section.key}.png"]
+            content = (made.report.parent / section.files[0]).read_bytes()
+            assert content.startswith(b"\x89PNG") and len(content) > 10_000
+
+
+def test_the_reports_hold_every_number(made: Reproduction) -> None:
+    texts = [(made.report.parent / name).read_text() for name in ("report.html", "report.md")]
+    for section in made.sections:
+        for text in texts:
+            assert f"rrrobot reproduce --only {section.key}" in text
+            assert text.count(f'id="{section.key}"') == 1
+    assert texts[0].count("<img") == texts[1].count("![") == 22
+    assert (
+        texts[1].count("| erratum |")
+        == sum(row["verdict"] == ERRATUM for s in made.sections for row in s.rows) + 2
+    )  # two headings
+    assert all("nan" not in re.sub("<style>.*</style>", "", t, flags=re.S).lower() for t in texts)
+
+
+@pytest.mark.parametrize(
+    ("key", "quantity", "expected", "rel"),
+    [
+        # physics.md: Kane's equations of point masses.
+        ("fig6", "full model, speed", 9.656, 1e-4),
+        ("fig6", "pivoting model, speed", 9.74, 5e-4),
+        ("fig7", "full model, yaw rate", 0.0208546, 1e-5),
+        ("fig7", "pivoting model, yaw rate", 0.1978, 5e-4),
+        ("fig16", "net yaw in a cycle, single-axis over full", 0.01355 / 0.0208546, 5e-4),
+        ("table3", "rolling, roll", 1.29251, 1e-5),
+        ("table3", "pivoting, pitch", 0.94509, 1e-5),
+        ("fig13", "trajectory A: net yaw in a cycle, by area", np.rad2deg(-0.0129962291), 1e-8),
+        ("fig18", "peak speed", 9.656, 1e-3),
+    ],
+)
+def test_numbers(rows: dict, key: str, quantity: str, expected: float, rel: float) -> None:
+    assert rows[key, quantity]["ours"] == pytest.approx(expected, rel=rel)
+
+
+@pytest.mark.parametrize(
+    ("key", "quantity", "verdict"),
+    [
+        ("table3", "pivoting, pitch", ERRATUM),
+        ("table4", "pivoting model, speed over the full model's, lateral gait", AGREES),
+        ("table4", "single-axis models, speed over the full model's, lateral gait", DIFFERS),
+        ("fig12", "yaw model: amplitude at offset pi/2 over that at pi/4", AGREES),
+        ("fig15", "yaw phase, single-axis less full", DIFFERS),
+        ("erratum-eq5", "the same, corrected", AGREES),
+    ],
+)  # fmt: skip
+def test_verdicts(rows: dict, key: str, quantity: str, verdict: str) -> None:
+    assert rows[key, quantity]["verdict"] == verdict
+
+
+def test_errata_are_measured(rows: dict) -> None:
+    slip = rows["erratum-eq5", "velocity along y that eq (5) leaves, as printed"]["ours"]
+    # r |cos pitch - cos roll| |roll rate| of the circular gait, from its own angles.
+    t = rr.simulate(rr.FullModel(rr.Robot.from_parameters()), rr.gait("circular"), 30.0)
+    roll, pitch, yaw = t.euler.T
+    expected = 0.12 * (np.cos(roll) - np.cos(pitch)) * np.cos(yaw) * t.euler_rates[:, 0]
+    assert slip == pytest.approx(np.abs(expected).max(), rel=1e-3)
+    assert rows["erratum-eq12", "with b: difference from Pinocchio"]["ours"] < 1e-15
+
+
+def test_a_second_run_keeps_what_is_finished(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    made: list[str] = []
+    first = reproduce(tmp_path, only=["table2", "fig1"], progress=lambda k, *_: made.append(k))
+    before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    (tmp_path / "fig1.png").unlink()
+    again = reproduce(tmp_path, only=["table2", "fig1"], progress=lambda k, *_: made.append(k))
+    assert made == ["table2", "fig1", "fig1"] and again.kept == ["table2"]
+    assert again.sections == first.sections
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
+    # Other grids are another run; what they made does not count.
+    assert reproduce(tmp_path, only=["table2"], quick=True).kept == []
+    monkeypatch.setattr(run, "_fingerprint", lambda quick: "other code")
+    assert reproduce(tmp_path, only=["table2"]).kept == []
+
+
+def test_an_interrupted_run_keeps_its_items(tmp_path: Path) -> None:
+    def stop(key: str, done: int, total: int) -> None:
+        if key == "fig1":
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        reproduce(tmp_path, only=["table2", "fig1"], progress=stop)
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["table2.json"]
+    assert reproduce(tmp_path, only=["table2", "fig1"]).kept == ["table2"]
+
+
+def test_a_damaged_file_is_made_anew(tmp_path: Path) -> None:
+    reproduce(tmp_path, only=["table2"])
+    for damage in ("", "[]", "{}", '{"made_by": 3}'):
+        (tmp_path / "table2.json").write_text(damage)
+        assert reproduce(tmp_path, only=["table2"]).kept == []
+
+
+@pytest.mark.parametrize("only", [["fig23"], []])
+def test_unknown_keys_are_refused(tmp_path: Path, only: list[str]) -> None:
+    with pytest.raises(rr.ParameterError, match=r"table1.*fig22"):
+        reproduce(tmp_path, only=only)
+
+
+def test_verdicts_follow_the_numbers() -> None:
+    assert number("x", 1.0, 1.004, within=0.005).verdict == AGREES
+    assert number("x", 1.0, 1.006, within=0.005).verdict == DIFFERS
+    assert number("x", 1.0, float("nan"), within=1).verdict == DIFFERS
+    assert number("x", 2.0, 1.0, within=0.1).ratio == 0.5
+    assert feature("x", "so", 1.0, holds=False).verdict == DIFFERS
+
+
+def test_an_infinite_number_is_refused(tmp_path: Path) -> None:
+    rows = (number("x", 1.0, float("nan"), within=1),)
+    bad = Item(key="bad", title="", shows="", make=lambda shop: Result(rows=rows))
+    with pytest.raises(rr.RRRobotError, match="bad"):
+        run._make(bad, Workshop(quick=True), tmp_path, "mark")
+    assert not list(tmp_path.iterdir())
+
+
+def test_command(tmp_path: Path) -> None:
+    out = str(tmp_path / "out")
+    result = CliRunner().invoke(cli, ["reproduce", "--out", out, "--only", "Table2, fig9"])
+    assert result.exit_code == 0, result.output
+    assert "leg mass M_l: 0.057 kg (paper: 0.057), agrees" in result.output
+    assert result.output.strip().endswith("report.html")
+    result = CliRunner().invoke(cli, ["reproduce", "--out", out, "--only", "fig9", "--json"])
+    assert json.loads(result.stdout)["sections"][0]["rows"][0]["verdict"] == AGREES
+    result = CliRunner().invoke(cli, ["reproduce", "--list"])
+    assert result.output.split()[0] == "table1" and len(result.output.splitlines()) == len(ITEMS)
+    result = CliRunner().invoke(cli, ["reproduce", "--only", "fig99"])
+    assert result.exit_code == 1 and "choose from" in result.output
+    (tmp_path / "file").write_text("")
+    result = CliRunner().invoke(
+        cli, ["reproduce", "--out", str(tmp_path / "file"), "--only", "fig9"]
+    )
+    assert result.exit_code == 1 and "cannot make the folder" in result.output
+
+
+def test_every_figure_of_the_paper_has_a_function() -> None:
+    assert all(getattr(paper, f"fig_{i}").__doc__ for i in range(1, 23))
+
+
+def test_figures_take_another_robot() -> None:
+    other = rr.Robot.from_parameters(rr.RRRobotParameters(leg_mass=0.08, leg_length=0.09))
+    shop = Workshop(quick=True, robot=other)
+    assert paper.fig_1(other).axes[0].get_xlabel() == "y [m]"
+    assert len(paper.fig_18(shop.plane("full")).axes) == 6
+    at = shop.plane("full").sel(offset=np.pi / 2, phase_difference=np.pi / 2, method="nearest")
+    run = rr.simulate(shop.full, rr.gait("lateral"), 30.0, method="momentum")
+    assert float(at.speed) == pytest.approx(run.steady_state().speed, rel=1e-5)
+
+
+def test_mass_points_of_rrrobot() -> None:
+    robot = rr.Robot.from_parameters()
+    model = rr.FullModel(robot)
+    q = model.configuration(model.make_pose(np.array((0.1, 0.2, 0.3)), np.zeros(2)), [0.9, 1.3])
+    points = mass_points(robot, q)
+    assert sum(p.mass for p in points) == pytest.approx(robot.mass, abs=1e-15)
+    import pinocchio as pin
+
+    center = pin.centerOfMass(robot.model, robot.model.createData(), q)
+    found = sum(p.mass * p.position for p in points) / robot.mass
+    np.testing.assert_allclose(found, center, atol=1e-15)
+
+
+def test_the_outline_touches_the_ground_at_the_contact() -> None:
+    robot = rr.Robot.from_urdf(rr.urdf_path(), shell=rr.Ellipsoid((0.2, 0.13, 0.12)))
+    ax = schematic(robot, "side", leg_angle=1.0, euler=(0, 0.4, 0))
+    outline = ax.lines[0].get_xydata()
+    assert outline[:, 1].min() == pytest.approx(0.0, abs=1e-4)
+    with pytest.raises(rr.ParameterError, match="side, front, top"):
+        schematic(robot, "left")
+
+
+def test_a_unicycle_follows_itself() -> None:
+    """The path of a known unicycle, without oscillation: no error and no side slip."""
+    robot = rr.Robot.from_parameters()
+    t = rr.simulate(rr.FullModel(robot), rr.gait("circular"), 20.0)
+    v, alpha = -0.02, 0.1
+    yaw = 0.3 + alpha * t.time
+    position = v / alpha * np.column_stack((np.cos(yaw), np.sin(yaw)))
+    euler = np.column_stack((0 * yaw, 0 * yaw, yaw))
+    from dataclasses import replace
+
+    found = unicycle_path(replace(t, position=position, euler=euler))
+    assert found.length == pytest.approx(abs(v) * (found.time[-1] - found.time[0]), rel=1e-3)
+    assert found.error < 1e-3 * found.length and abs(found.side_slip) < 1e-3
+
+
+def test_open_rows_have_no_ratio(rows: dict) -> None:
+    assert all(row["ratio"] is None for row in rows.values() if row["verdict"] == OPEN)
