@@ -14,12 +14,12 @@ from rrrobot.figures.pareto import pareto
 from rrrobot.gaits import FourierGait, SinusoidalGait
 from rrrobot.models.base import Model
 from rrrobot.momentum.batch import Gaits, setting_of, steady_states
-from rrrobot.momentum.run import _lane
+from rrrobot.momentum.coefficients import coefficients
+from rrrobot.momentum.forces import bodies
+from rrrobot.momentum.loads import TORQUE, loads, n_signals
 from rrrobot.optimise import optimise
-from rrrobot.optimise_forces import bodies
 from rrrobot.optimise_goals import FastestTravel, LeastEffort, TargetMotion, TightestTurn
 from rrrobot.optimise_lanes import engine_of
-from rrrobot.optimise_loads import loads, n_signals
 from rrrobot.optimise_pareto import ParetoFront, pareto_front
 from rrrobot.optimise_result import OptimisedGait, confirm, gait_from_dict
 from rrrobot.optimise_space import Population, Space
@@ -68,34 +68,35 @@ def population(n: int, harmonics: int = 1, legs: int = 2, seed: int = 0) -> Popu
         lambda: rr.FullModel(random_robot(5, 7), damping=rr.BodyRateDamping(0.1, 0.2, 0.3)),
         lambda: rr.FullModel(rr.Robot.from_parameters(), damping=(0.01, 0.02, 0.03)),
         lambda: rr.PivotingModel(rr.Robot.from_parameters()),
+        lambda: rr.RollModel(random_robot(4, 6, shell_center=(0, 0, 0)), damping=0.3),
+        lambda: rr.PitchModel(rr.Robot.from_parameters()),
+        lambda: rr.YawModel(random_robot(4, 6, shell_center=(0, 0, 0)), damping=0.3),
     ],
-    ids=["12 joints", "7 joints, body damping", "RRRobot", "pivoting"],
+    ids=["12 joints", "7 joints, body damping", "RRRobot", "pivoting", "roll", "pitch", "yaw"],
 )
 def test_forces_and_torques_equal_the_kkt_systems(make) -> None:
     """At random states, by recursive Newton-Euler here and by Pinocchio and a KKT solve there."""
     model: Model = make()
-    robot, engine = model.robot, engine_of(model, 1.0)
+    robot, setting = model.robot, setting_of(model)
     rng = np.random.default_rng(1)
     n, sine = robot.n_legs, rng.normal(size=(2, robot.n_legs))
     gait = FourierGait(
         offset=rng.normal(size=n), cosine=0.5 * sine, sine=sine, angular_frequency=3.0
     )
-    euler, omega = 0.5 * rng.normal(size=3), rng.normal(size=3)
+    free = np.isin(np.arange(3), model.axes)
+    euler, rates = 0.5 * rng.normal(size=3) * free, rng.normal(size=3) * free
     pose = model.make_pose(euler, np.zeros(2))
-    quasi = omega if model.name == "full" else model.quasi_from_euler_rates(pose, omega)
+    quasi = rates if model.name == "full" else model.quasi_from_euler_rates(pose, rates)
     place, motion = model.place(pose), gait(0.7)
     expected = model.dynamics(place, quasi, motion)
-    lane = _lane(model, setting_of(model), gait, np.concatenate((pose, quasi)), 0.7)
-    from rrrobot.momentum.coefficients import coefficients
-
     c = coefficients(robot, motion.angle[None], motion.rate[None])[0]
-    signals = np.empty(n_signals(n, n + 1))
-    loads(engine.tree, lane, c, np.array(motion), engine.parameters, bodies(n + 1), signals)
-    up = place.rotation[2]
+    signals, up = np.empty(n_signals(n, n + 1)), place.rotation[2].copy()
+    loads(setting.tree, up, model.body_velocity(place, quasi), c, np.array(motion),
+          setting.parameters, setting.axis, bodies(n + 1), signals)  # fmt: skip
     force = place.rotation.T @ expected.contact_force
-    assert signals[0] == pytest.approx(force @ up, rel=1e-10)
+    assert signals[0] == pytest.approx(force @ up, rel=1e-10, abs=1e-12)
     np.testing.assert_allclose(signals[1:4], force - (force @ up) * up, atol=1e-9)
-    np.testing.assert_allclose(signals[5 : 5 + n], expected.leg_torque, atol=1e-9)
+    np.testing.assert_allclose(signals[TORQUE : TORQUE + n], expected.leg_torque, atol=1e-9)
 
 
 @pytest.mark.parametrize("harmonics", [1, 3])

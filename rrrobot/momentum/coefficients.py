@@ -22,9 +22,15 @@ from numba import njit
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
+from rrrobot.momentum.compiled import borrowed, inner, lanes
+from rrrobot.momentum.trigonometry import sine_cosine
 from rrrobot.robot import Robot
 
+LANES = 16
+"""Leg states, and gaits, that are worked on side by side, so that the compiler uses vectors."""
 N_COEFFICIENTS = 15
+N_PLACEMENT = 18
+"""Numbers that place a body: rotation (9), position, angular velocity and velocity (3 each)."""
 
 
 class Tree(NamedTuple):
@@ -107,126 +113,170 @@ def coefficients(robot: Robot, leg_angle: Array, leg_rate: Array) -> Array:
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def fill(tree, angle, rate, out):  # type: ignore[no-untyped-def]
+class LaneWork(NamedTuple):
+    """Room for LANES leg states of a tree."""
+
+    angle: Array
+    """(legs, LANES) [rad or m]"""
+    rate: Array
+    """(legs, LANES) [rad/s or m/s]"""
+    bodies: Array
+    """placement of each body, then one joint's motion (n + 1, N_PLACEMENT LANES)"""
+    base: Array
+    """the base's own part of the coefficients, the same for all (15 LANES,)"""
+
+
+def lane_work(tree: Tree) -> LaneWork:
+    """Room for LANES leg states of a tree, with what the base contributes."""
+    legs, n = int(tree.leg.max(initial=-1)) + 1, tree.mass.size
+    bodies = np.zeros((n + 1, N_PLACEMENT, LANES))
+    bodies[0, :9], bodies[0, 9:12] = tree.rotation[0].reshape(9, 1), tree.translation[0][:, None]
+    work = LaneWork(
+        np.zeros((legs, LANES)), np.zeros((legs, LANES)), bodies.reshape(n + 1, -1),
+        np.zeros(N_COEFFICIENTS * LANES),
+    )  # fmt: skip
+    _add_body(tree, 0, work.bodies, work.base)
+    return work
+
+
+def fill(tree: Tree, angle: Array, rate: Array, out: Array) -> None:
     """Write the coefficients of leg states (n, legs) into out (n, 15)."""
-    n = tree.mass.size
-    rot, pos = np.empty((n, 3, 3)), np.empty((n, 3))
-    omega, vel = np.empty((n, 3)), np.empty((n, 3))
-    turn = np.empty((3, 3))
-    rot[0], pos[0], omega[0], vel[0] = tree.rotation[0], tree.translation[0], 0.0, 0.0
-    # The base's own part is the same for all.
-    base = np.zeros((1, N_COEFFICIENTS))
-    _add_body(tree, 0, rot, pos, omega, vel, base, 0)
-    for k in range(angle.shape[0]):
-        for c in range(N_COEFFICIENTS):
-            out[k, c] = base[0, c]
-        for i in range(1, n):
-            leg = tree.leg[i]
-            _move(tree, i, angle[k, leg], rate[k, leg], rot, pos, omega, vel, turn)
-            _add_body(tree, i, rot, pos, omega, vel, out, k)
+    _fill(tree, angle, rate, lane_work(tree), np.empty((1, N_COEFFICIENTS * LANES)), out)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _move(tree, i, q, dq, rot, pos, omega, vel, turn):  # type: ignore[no-untyped-def]
+@njit(cache=True, nogil=True, error_model="numpy")
+def _fill(tree, angle, rate, work, row, out):  # type: ignore[no-untyped-def]
+    tree, work, row = borrowed(tree), borrowed(work), borrowed(row)
+    n, legs = angle.shape
+    for first in range(0, n, LANES):
+        last = min(first + LANES, n)
+        for k in range(first, last):
+            for leg in range(legs):
+                work.angle[leg, k - first] = angle[k, leg]
+                work.rate[leg, k - first] = rate[k, leg]
+        fill_lanes(tree, work, row, 0)
+        for k in range(first, last):
+            for c in range(N_COEFFICIENTS):
+                out[k, c] = row[0, c * LANES + k - first]
+
+
+@inner
+def fill_lanes(tree, work, table, at):  # type: ignore[no-untyped-def]
+    """Coefficients of LANES leg states side by side; nothing in one depends on another.
+
+    Args:
+        tree: the robot.
+        work: see `LaneWork`; angle and rate are given.
+        table: entry c of lane i goes to [at, c LANES + i].
+    """
+    out = table[at]
+    for e in range(N_COEFFICIENTS * LANES):
+        out[e] = work.base[e]
+    for i in range(1, tree.mass.size):
+        _move(tree, i, work.angle[tree.leg[i]], work.rate[tree.leg[i]], work.bodies)
+        _add_body(tree, i, work.bodies, out)
+
+
+@lanes
+def _move(tree, i, angle, rate, work):  # type: ignore[no-untyped-def]
     """Placement and relative velocity of body i after its joint's motion."""
-    p = tree.parent[i]
-    x, y, z = tree.axis[i, 0], tree.axis[i, 1], tree.axis[i, 2]
-    if p == 0:
-        # The base has its own axes and no velocity relative to itself.
-        for a in range(3):
-            pos[i, a] = pos[0, a] + tree.translation[i, a]
-            for b in range(3):
-                turn[a, b] = tree.rotation[i, a, b]
-    else:
-        for a in range(3):
-            # Row a of (parent's rotation)(joint's fixed rotation).
-            r0, r1, r2 = rot[p, a, 0], rot[p, a, 1], rot[p, a, 2]
-            for b in range(3):
-                turn[a, b] = (
-                    r0 * tree.rotation[i, 0, b]
-                    + r1 * tree.rotation[i, 1, b]
-                    + r2 * tree.rotation[i, 2, b]
-                )
-            pos[i, a] = (
-                pos[p, a]
-                + r0 * tree.translation[i, 0]
-                + r1 * tree.translation[i, 1]
-                + r2 * tree.translation[i, 2]
-            )
+    joint, parent, own = work[tree.mass.size], work[tree.parent[i]], work[i]
+    # cos, sin, sliding, turning rate and sliding rate of the joint.
     if tree.prismatic[i]:
-        for a in range(3):
-            pos[i, a] += q * (turn[a, 0] * x + turn[a, 1] * y + turn[a, 2] * z)
-            rot[i, a, 0], rot[i, a, 1], rot[i, a, 2] = turn[a, 0], turn[a, 1], turn[a, 2]
+        for k in range(LANES):
+            joint[k], joint[LANES + k] = 1.0, 0.0
+            joint[2 * LANES + k] = angle[k]
+            joint[3 * LANES + k], joint[4 * LANES + k] = 0.0, rate[k]
     else:
-        # Rodrigues' formula.
-        c, s = np.cos(q), np.sin(q)
-        d = 1.0 - c
-        for a in range(3):
-            t0, t1, t2 = turn[a, 0], turn[a, 1], turn[a, 2]
-            along = d * (t0 * x + t1 * y + t2 * z)
-            rot[i, a, 0] = c * t0 + along * x + s * (t1 * z - t2 * y)
-            rot[i, a, 1] = c * t1 + along * y + s * (t2 * x - t0 * z)
-            rot[i, a, 2] = c * t2 + along * z + s * (t0 * y - t1 * x)
-    if p == 0:
-        vel[i, 0], vel[i, 1], vel[i, 2] = 0.0, 0.0, 0.0
-    else:
-        dx, dy, dz = pos[i, 0] - pos[p, 0], pos[i, 1] - pos[p, 1], pos[i, 2] - pos[p, 2]
-        w0, w1, w2 = omega[p, 0], omega[p, 1], omega[p, 2]
-        vel[i, 0] = vel[p, 0] + w1 * dz - w2 * dy
-        vel[i, 1] = vel[p, 1] + w2 * dx - w0 * dz
-        vel[i, 2] = vel[p, 2] + w0 * dy - w1 * dx
+        for k in range(LANES):
+            joint[LANES + k], joint[k] = sine_cosine(angle[k])
+            joint[2 * LANES + k] = 0.0
+            joint[3 * LANES + k], joint[4 * LANES + k] = rate[k], 0.0
+    x, y, z = tree.axis[i, 0], tree.axis[i, 1], tree.axis[i, 2]
+    f00, f01, f02 = tree.rotation[i, 0, 0], tree.rotation[i, 0, 1], tree.rotation[i, 0, 2]
+    f10, f11, f12 = tree.rotation[i, 1, 0], tree.rotation[i, 1, 1], tree.rotation[i, 1, 2]
+    f20, f21, f22 = tree.rotation[i, 2, 0], tree.rotation[i, 2, 1], tree.rotation[i, 2, 2]
+    s0, s1, s2 = tree.translation[i, 0], tree.translation[i, 1], tree.translation[i, 2]
     for a in range(3):
-        along = dq * (turn[a, 0] * x + turn[a, 1] * y + turn[a, 2] * z)
-        omega[i, a] = omega[p, a]
-        if tree.prismatic[i]:
-            vel[i, a] += along
-        else:
-            omega[i, a] += along
+        # Row a of the rotation, entry a of the vectors.
+        r0, r1, r2 = 3 * a * LANES, (3 * a + 1) * LANES, (3 * a + 2) * LANES
+        at, spin = (9 + a) * LANES, (12 + a) * LANES
+        for k in range(LANES):
+            p0, p1, p2 = parent[r0 + k], parent[r1 + k], parent[r2 + k]
+            # (Parent's rotation)(joint's fixed rotation).
+            t0 = p0 * f00 + p1 * f10 + p2 * f20
+            t1 = p0 * f01 + p1 * f11 + p2 * f21
+            t2 = p0 * f02 + p1 * f12 + p2 * f22
+            along = t0 * x + t1 * y + t2 * z
+            # Rodrigues' formula.
+            c, s = joint[k], joint[LANES + k]
+            d = (1.0 - c) * along
+            own[r0 + k] = c * t0 + d * x + s * (t1 * z - t2 * y)
+            own[r1 + k] = c * t1 + d * y + s * (t2 * x - t0 * z)
+            own[r2 + k] = c * t2 + d * z + s * (t0 * y - t1 * x)
+            lever = p0 * s0 + p1 * s1 + p2 * s2
+            own[at + k] = parent[at + k] + lever + joint[2 * LANES + k] * along
+            own[spin + k] = parent[spin + k] + joint[3 * LANES + k] * along
+            # The slide's own part of the velocity; the parent's follows.
+            own[(15 + a) * LANES + k] = joint[4 * LANES + k] * along
+    for k in range(LANES):
+        dx = own[9 * LANES + k] - parent[9 * LANES + k]
+        dy = own[10 * LANES + k] - parent[10 * LANES + k]
+        dz = own[11 * LANES + k] - parent[11 * LANES + k]
+        w0, w1, w2 = parent[12 * LANES + k], parent[13 * LANES + k], parent[14 * LANES + k]
+        own[15 * LANES + k] += parent[15 * LANES + k] + (w1 * dz - w2 * dy)
+        own[16 * LANES + k] += parent[16 * LANES + k] + (w2 * dx - w0 * dz)
+        own[17 * LANES + k] += parent[17 * LANES + k] + (w0 * dy - w1 * dx)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
-def _add_body(tree, i, rot, pos, omega, vel, out, k):  # type: ignore[no-untyped-def]
-    """Add body i's mass, inertia and momentum to row k."""
+@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
+def _add_body(tree, i, work, out):  # type: ignore[no-untyped-def]
+    """Add body i's mass, inertia and momentum in every lane."""
+    own = work[i]
     m = tree.mass[i]
     l0, l1, l2 = tree.lever[i, 0], tree.lever[i, 1], tree.lever[i, 2]
-    d0 = rot[i, 0, 0] * l0 + rot[i, 0, 1] * l1 + rot[i, 0, 2] * l2
-    d1 = rot[i, 1, 0] * l0 + rot[i, 1, 1] * l1 + rot[i, 1, 2] * l2
-    d2 = rot[i, 2, 0] * l0 + rot[i, 2, 1] * l1 + rot[i, 2, 2] * l2
-    c0, c1, c2 = pos[i, 0] + d0, pos[i, 1] + d1, pos[i, 2] + d2
-    w0, w1, w2 = omega[i, 0], omega[i, 1], omega[i, 2]
-    p0 = m * (vel[i, 0] + w1 * d2 - w2 * d1)
-    p1 = m * (vel[i, 1] + w2 * d0 - w0 * d2)
-    p2 = m * (vel[i, 2] + w0 * d1 - w1 * d0)
-    out[k, 0] += m * c0
-    out[k, 1] += m * c1
-    out[k, 2] += m * c2
-    out[k, 3] += m * (c1 * c1 + c2 * c2)
-    out[k, 4] += m * (c0 * c0 + c2 * c2)
-    out[k, 5] += m * (c0 * c0 + c1 * c1)
-    out[k, 6] -= m * c0 * c1
-    out[k, 7] -= m * c0 * c2
-    out[k, 8] -= m * c1 * c2
-    out[k, 9] += p0
-    out[k, 10] += p1
-    out[k, 11] += p2
-    out[k, 12] += c1 * p2 - c2 * p1
-    out[k, 13] += c2 * p0 - c0 * p2
-    out[k, 14] += c0 * p1 - c1 * p0
-    if not tree.point[i]:
-        for d in range(3):
-            for e in range(3):
-                # One product of inertia j_de e_d e_e^T, turned into the base's axes.
-                j = tree.inertia[i, d, e]
-                a0, a1, a2 = j * rot[i, 0, d], j * rot[i, 1, d], j * rot[i, 2, d]
-                b0, b1, b2 = rot[i, 0, e], rot[i, 1, e], rot[i, 2, e]
-                out[k, 3] += a0 * b0
-                out[k, 4] += a1 * b1
-                out[k, 5] += a2 * b2
-                out[k, 6] += a0 * b1
-                out[k, 7] += a0 * b2
-                out[k, 8] += a1 * b2
-                turning = b0 * w0 + b1 * w1 + b2 * w2
-                out[k, 12] += a0 * turning
-                out[k, 13] += a1 * turning
-                out[k, 14] += a2 * turning
+    for k in range(LANES):
+        d0 = own[k] * l0 + own[LANES + k] * l1 + own[2 * LANES + k] * l2
+        d1 = own[3 * LANES + k] * l0 + own[4 * LANES + k] * l1 + own[5 * LANES + k] * l2
+        d2 = own[6 * LANES + k] * l0 + own[7 * LANES + k] * l1 + own[8 * LANES + k] * l2
+        c0, c1, c2 = own[9 * LANES + k] + d0, own[10 * LANES + k] + d1, own[11 * LANES + k] + d2
+        w0, w1, w2 = own[12 * LANES + k], own[13 * LANES + k], own[14 * LANES + k]
+        p0 = m * (own[15 * LANES + k] + w1 * d2 - w2 * d1)
+        p1 = m * (own[16 * LANES + k] + w2 * d0 - w0 * d2)
+        p2 = m * (own[17 * LANES + k] + w0 * d1 - w1 * d0)
+        out[k] += m * c0
+        out[LANES + k] += m * c1
+        out[2 * LANES + k] += m * c2
+        out[3 * LANES + k] += m * (c1 * c1 + c2 * c2)
+        out[4 * LANES + k] += m * (c0 * c0 + c2 * c2)
+        out[5 * LANES + k] += m * (c0 * c0 + c1 * c1)
+        out[6 * LANES + k] -= m * c0 * c1
+        out[7 * LANES + k] -= m * c0 * c2
+        out[8 * LANES + k] -= m * c1 * c2
+        out[9 * LANES + k] += p0
+        out[10 * LANES + k] += p1
+        out[11 * LANES + k] += p2
+        out[12 * LANES + k] += c1 * p2 - c2 * p1
+        out[13 * LANES + k] += c2 * p0 - c0 * p2
+        out[14 * LANES + k] += c0 * p1 - c1 * p0
+    if tree.point[i]:
+        return
+    for d in range(3):
+        for e in range(3):
+            # One product of inertia j e_d e_e^T, turned into the base's axes.
+            j = tree.inertia[i, d, e]
+            for k in range(LANES):
+                a0, a1, a2 = own[d * LANES + k], own[(3 + d) * LANES + k], own[(6 + d) * LANES + k]
+                b0, b1, b2 = own[e * LANES + k], own[(3 + e) * LANES + k], own[(6 + e) * LANES + k]
+                a0, a1, a2 = j * a0, j * a1, j * a2
+                turning = b0 * own[12 * LANES + k] + b1 * own[13 * LANES + k]
+                turning += b2 * own[14 * LANES + k]
+                out[3 * LANES + k] += a0 * b0
+                out[4 * LANES + k] += a1 * b1
+                out[5 * LANES + k] += a2 * b2
+                out[6 * LANES + k] += a0 * b1
+                out[7 * LANES + k] += a0 * b2
+                out[8 * LANES + k] += a1 * b2
+                out[12 * LANES + k] += a0 * turning
+                out[13 * LANES + k] += a1 * turning
+                out[14 * LANES + k] += a2 * turning

@@ -1,4 +1,4 @@
-"""Contact force and motor torques at a state of a prescribed gait, compiled, for whole populations.
+"""Contact force and motor torques at a state of a prescribed gait, compiled, for many gaits.
 
 Recursive Newton-Euler over the engine's tree of bodies, in the body's axes about the shell's
 centre C. With s the vector from the pivot to C, up = R^T z and alpha = w_dot,
@@ -20,6 +20,7 @@ import numpy as np
 from numba import njit
 
 from rrrobot.checks import Array
+from rrrobot.momentum.compiled import inner
 
 
 class Bodies(NamedTuple):
@@ -44,7 +45,9 @@ class Bodies(NamedTuple):
     height: Array
     """of the mass centre over C (n,) [m]"""
     vector: Array
-    """for what lives within one function only (6, 3)"""
+    """for what lives within one function only (9, 3); the last three are the caller's"""
+    work: Array
+    """likewise (6,)"""
 
 
 def bodies(n: int) -> Bodies:
@@ -53,11 +56,11 @@ def bodies(n: int) -> Bodies:
     origin, axis, omega, alpha, acceleration, force, moment = rows
     return Bodies(
         np.zeros((n, 3, 3)), origin, axis, omega, alpha, acceleration, force, moment, np.zeros(n),
-        np.zeros((6, 3)),
+        np.zeros((9, 3)), np.zeros(6),
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@njit(inline="always")
 def _cross(a, b, out):  # type: ignore[no-untyped-def]
     """out = a x b; out is neither a nor b."""
     out[0] = a[1] * b[2] - a[2] * b[1]
@@ -65,7 +68,7 @@ def _cross(a, b, out):  # type: ignore[no-untyped-def]
     out[2] = a[0] * b[1] - a[1] * b[0]
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always")
+@njit(inline="always")
 def _add_cross(a, b, out, scale):  # type: ignore[no-untyped-def]
     """Add scale a x b to out; out is neither a nor b."""
     out[0] += scale * (a[1] * b[2] - a[2] * b[1])
@@ -73,7 +76,7 @@ def _add_cross(a, b, out, scale):  # type: ignore[no-untyped-def]
     out[2] += scale * (a[0] * b[1] - a[1] * b[0])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def sweep(tree, leg, w, alpha, s, up, gravity, b):  # type: ignore[no-untyped-def]
     """Fill the scratch b for legs (3, legs): angles, rates, accelerations."""
     n = tree.mass.size
@@ -98,7 +101,7 @@ def sweep(tree, leg, w, alpha, s, up, gravity, b):  # type: ignore[no-untyped-de
             b.moment[p, a] += b.moment[i, a]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def _place(tree, i, leg, b):  # type: ignore[no-untyped-def]
     """Rotation, axis and origin of body i."""
     p, q = tree.parent[i], leg[0, tree.leg[i]]
@@ -124,7 +127,7 @@ def _place(tree, i, leg, b):  # type: ignore[no-untyped-def]
             b.origin[i, a] += q * along
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def _accelerate(tree, i, leg, b):  # type: ignore[no-untyped-def]
     """Velocities and accelerations of body i, carried by its parent and moved by its joint."""
     p, lever, turning = tree.parent[i], b.vector[0], b.vector[1]
@@ -148,7 +151,7 @@ def _accelerate(tree, i, leg, b):  # type: ignore[no-untyped-def]
             alpha[a] += acceleration * axis[a]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def _load(tree, i, b, up, gravity):  # type: ignore[no-untyped-def]
     """Force and moment about C that move body i, and the height of its mass centre."""
     arm, turning, centre, force = b.vector[0], b.vector[1], b.vector[2], b.force[i]
@@ -168,7 +171,7 @@ def _load(tree, i, b, up, gravity):  # type: ignore[no-untyped-def]
         _add_rotation(tree.inertia[i], r, w, b.alpha[i], b.moment[i], b.vector)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def _add_rotation(inertia, r, w, alpha, moment, vector):  # type: ignore[no-untyped-def]
     """Add I alpha + w x I w; `inertia` is about the mass centre in the link's own axes."""
     own, turned = vector[3], vector[4]

@@ -10,12 +10,13 @@ from __future__ import annotations
 import numpy as np
 from numba import njit
 
-from rrrobot.optimise_forces import sweep
+from rrrobot.momentum.compiled import inner
+from rrrobot.momentum.forces import sweep
 
-FRICTION, PITCH, TORQUE = 1, 4, 5
+FRICTION, TORQUE = 1, 4
 """Rows of the signals: first the normal force; then three components of the friction force in the
-body's axes; the pitch; for each leg its torque, for each its rate; for each body the height of its
-mass centre above the ground."""
+body's axes; for each leg its torque, for each its rate; for each body the height of its mass centre
+above the ground."""
 _MASSLESS = 1e9
 """Height [m] of bodies that cannot touch the ground because they are not there."""
 
@@ -25,7 +26,7 @@ def n_signals(legs: int, bodies: int) -> int:
     return TORQUE + 2 * legs + bodies
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def solve(matrix, right, out):  # type: ignore[no-untyped-def]
     """Solve a symmetric 3 x 3 system, given as (xx, yy, zz, xy, xz, yz), by its adjugate."""
     xx, yy, zz, xy, xz, yz = matrix[0], matrix[1], matrix[2], matrix[3], matrix[4], matrix[5]
@@ -37,7 +38,7 @@ def solve(matrix, right, out):  # type: ignore[no-untyped-def]
     out[2] = over * (a02 * right[0] + a12 * right[1] + a22 * right[2])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def pivot_inertia(c, mass, s, out):  # type: ignore[no-untyped-def]
     """I_P (xx, yy, zz, xy, xz, yz) of coefficients c (15,) about the pivot at -s."""
     whole = 2.0 * (c[0] * s[0] + c[1] * s[1] + c[2] * s[2])
@@ -49,7 +50,7 @@ def pivot_inertia(c, mass, s, out):  # type: ignore[no-untyped-def]
     out[5] = c[8] - c[1] * s[2] - s[1] * c[2] - mass * s[1] * s[2]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def damping_moment(w, up, parameters, out):  # type: ignore[no-untyped-def]
     """Moment of the damping on the body (3,) in its axes; `parameters` as the kernels take them."""
     if parameters[7] == 0.0:
@@ -65,33 +66,57 @@ def damping_moment(w, up, parameters, out):  # type: ignore[no-untyped-def]
     out[0], out[1], out[2] = on_roll, sr * lever + cr * on_pitch, cr * lever - sr * on_pitch
 
 
+@inner
+def accelerate(c, axis, s, w, right, mass, out):  # type: ignore[no-untyped-def]
+    """Angular acceleration (3,) under a moment about the pivot; guides hold the locked axes.
+
+    Args:
+        c: coefficients (15,).
+        axis: -1 for all, or the one that is free.
+        s: from the pivot to the shell's centre (3,).
+        w: scratch (6,).
+        right: the moment (3,).
+        mass: of the robot.
+        out: filled.
+    """
+    pivot_inertia(c, mass, s, w)
+    if axis < 0:
+        solve(w, right, out)
+        return
+    for a in range(3):
+        out[a] = right[a] / w[a] if a == axis else 0.0
+
+
 @njit(cache=True, nogil=True, error_model="numpy")
-def loads(tree, y, c, leg, parameters, b, out):  # type: ignore[no-untyped-def]
-    """Signals of one state y (N_STATE,) with coefficients c (15,) and legs (3, legs)."""
-    scale = 1.0 / (y[0] * y[0] + y[1] * y[1] + y[2] * y[2] + y[3] * y[3])
-    up, s, w, alpha = np.empty(3), np.empty(3), np.empty(3), np.zeros(3)
-    up[0] = 2.0 * scale * (y[0] * y[2] - y[3] * y[1])
-    up[1] = 2.0 * scale * (y[1] * y[2] + y[3] * y[0])
-    up[2] = 1.0 - 2.0 * scale * (y[0] * y[0] + y[1] * y[1])
-    inertia, right, force, moment = np.empty(6), np.empty(3), b.force[0], b.moment[0]
+def loads(tree, up, w, c, leg, parameters, axis, b, out):  # type: ignore[no-untyped-def]
+    """Signals of one state.
+
+    Args:
+        tree, parameters, axis: of the setting.
+        up, w: z_body and the angular velocity, both in the body's axes (3,).
+        c: coefficients (15,).
+        leg: angles, rates and accelerations (3, legs).
+        b: scratch, see `bodies`.
+        out: filled (n_signals,).
+    """
+    s, alpha, right, work = b.vector[6], b.vector[7], b.vector[8], b.work
+    force, moment = b.force[0], b.moment[0]
     for a in range(3):
-        s[a] = parameters[1] * up[a]
-    pivot_inertia(c, parameters[0], s, inertia)
-    for a in range(3):
-        d, e = (a + 1) % 3, (a + 2) % 3
-        right[a] = y[4 + a] - c[12 + a] - (s[d] * c[9 + e] - s[e] * c[9 + d])
-    solve(inertia, right, w)
+        s[a], alpha[a] = parameters[1] * up[a], 0.0
     sweep(tree, leg, w, alpha, s, up, parameters[3], b)
-    damping_moment(w, up, parameters, right)
+    if axis < 0:
+        damping_moment(w, up, parameters, right)
+    else:
+        for a in range(3):
+            right[a] = -parameters[4 + a] * w[a]
     for a in range(3):
         d, e = (a + 1) % 3, (a + 2) % 3
         right[a] -= moment[a] + s[d] * force[e] - s[e] * force[d]
-    solve(inertia, right, alpha)
+    accelerate(c, axis, s, work, right, parameters[0], alpha)
     sweep(tree, leg, w, alpha, s, up, parameters[3], b)
     out[0] = force[0] * up[0] + force[1] * up[1] + force[2] * up[2]
     for a in range(3):
         out[1 + a] = force[a] - out[0] * up[a]
-    out[4] = np.arcsin(min(1.0, max(-1.0, -up[0])))
     n_legs = leg.shape[1]
     for i in range(tree.mass.size):
         held = i > 0 and tree.mass[i] > 0.0
@@ -101,7 +126,7 @@ def loads(tree, y, c, leg, parameters, b, out):  # type: ignore[no-untyped-def]
             out[TORQUE + k], out[TORQUE + n_legs + k] = _motor(tree, i, b), leg[1, k]
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@inner
 def _motor(tree, i, b):  # type: ignore[no-untyped-def]
     """Torque, or force of a prismatic joint, that moves body i and all that it carries."""
     torque = 0.0

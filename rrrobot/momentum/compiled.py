@@ -1,0 +1,61 @@
+"""How inner loops are compiled: without wrappers for Python, on arrays without reference counts.
+
+Numba counts the references to an array with atomic instructions, at the entry of functions and at
+every row that is taken; in the engine that took as long as the arithmetic. A borrowed array is the
+same memory with no owner to count for.
+
+Numba's cache of compiled code knows when the file of a function changes, but not when the file of
+one that it calls does: after an edit of anything in this folder, delete its `__pycache__`.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from numba import njit, types
+from numba.core import cgutils
+from numba.extending import intrinsic
+
+_OPTIONS: dict[str, Any] = {
+    "cache": True,
+    "nogil": True,
+    "error_model": "numpy",
+    "no_cpython_wrapper": True,
+    "no_cfunc_wrapper": True,
+}
+inner: Any = njit(**_OPTIONS)
+"""Compiles a function that only compiled functions call; its wrappers would take as long again."""
+lanes: Any = njit(**_OPTIONS, fastmath={"contract", "nsz", "arcp"})
+"""Likewise, with products and sums contracted: for loops over lanes, all of which it rounds
+alike."""
+
+
+def _borrowed(typing_context: Any, arrays: Any) -> Any:
+    def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:
+        return _without_owner(context, builder, arrays, values[0])
+
+    return arrays(arrays), generate
+
+
+borrowed: Any = intrinsic(_borrowed)
+"""An array, or a tuple of arrays, without owner.
+
+Whoever borrows must not outlive the owner: borrow arguments that come from Python only, which the
+caller holds until the compiled function returns.
+"""
+
+
+def _without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:
+    null: Any = cgutils.get_null_value
+    if isinstance(kind, types.Array):
+        array = context.make_array(kind)(context, builder, value)
+        array.meminfo = null(array.meminfo.type)
+        array.parent = null(array.parent.type)
+        return array._getvalue()
+    if isinstance(kind, types.BaseTuple):
+        parts = [
+            _without_owner(context, builder, part, builder.extract_value(value, i))
+            for i, part in enumerate(kind.types)  # type: ignore[attr-defined, unused-ignore]
+        ]
+        return context.make_tuple(builder, kind, parts)
+    return value

@@ -1,0 +1,283 @@
+"""Torques, power and friction that a settled gait takes, from the motion of its last cycle.
+
+The motion (z_body and the angular velocity) is periodic in the body's axes, and known at the
+engine's steps. Trigonometric interpolation gives it at `_REFINED` times as many instants, where
+forces and torques follow from the equations of motion; these are interpolated in turn, and their
+extremes are polished on the interpolant.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+
+from rrrobot.checks import Array
+from rrrobot.momentum.coefficients import LANES, N_COEFFICIENTS, LaneWork, fill_lanes, lane_work
+from rrrobot.momentum.compiled import borrowed, inner
+from rrrobot.momentum.forces import Bodies, bodies
+from rrrobot.momentum.loads import FRICTION, TORQUE, loads, n_signals
+from rrrobot.momentum.setting import Setting
+from rrrobot.momentum.settle import FourierGaits
+
+LOADS = ("normal_force", "friction", "rms_torque", "peak_torque", "power", "clearance")
+"""Least normal force [N]; largest friction coefficient that is needed, infinite if the normal force
+is not positive, NaN of a pivoted model; root of the mean sum of squared motor torques; largest
+|motor torque| of any leg [N m]; mean of the sum of |torque x rate| [W]; least height of a leg's
+mass centre above the ground [m]. Torques of a prismatic leg are forces [N]."""
+_REFINED = 2
+_FINE = 96
+"""Least number of points in a cycle that extremes are first looked for at."""
+_NEAR = 0.02
+"""Local extremes that are this near to the largest, relative, are polished too."""
+_PARTS = 8
+_HALVINGS = 30
+
+
+class Work(NamedTuple):
+    """Room for one gait."""
+
+    lanes: LaneWork
+    bodies: Bodies
+    table: Array
+    """coefficients of LANES instants (1, 15 LANES)"""
+    coefficients: Array
+    """of one (15,)"""
+    motion: Array
+    """z_body and angular velocity at an instant (6,)"""
+    leg: Array
+    """angles, rates and accelerations (3, legs)"""
+    signals: Array
+    """(instants, signals)"""
+    fine: Array
+    """(points, signals)"""
+    values: Array
+    """(points,)"""
+    weights: Array
+    """(instants,)"""
+    there: Array
+    """signals at any instant (signals,)"""
+
+
+def extremes(setting: Setting, gaits: FourierGaits, motion: Array) -> Array:
+    """Loads of gaits (n, len(LOADS)) in the cycle of which the motion is given.
+
+    Holds no interpreter lock while it computes. What a gait gives does not depend on the others.
+
+    Args:
+        setting: of a model; not decoupled ones.
+        gaits: one row a gait.
+        motion: z_body and angular velocity in the body's axes at equal steps of a cycle that
+            begins at phase zero (n, steps, 6).
+    """
+    steps, (n, legs) = motion.shape[1], gaits.offset.shape
+    instants, n_bodies = _REFINED * steps, setting.tree.mass.size
+    points = instants * -(-_FINE // instants)
+    rows = n_signals(legs, n_bodies)
+    work = Work(
+        lane_work(setting.tree), bodies(n_bodies), np.zeros((1, N_COEFFICIENTS * LANES)),
+        np.zeros(N_COEFFICIENTS), np.zeros(6), np.zeros((3, legs)), np.zeros((instants, rows)),
+        np.zeros((points, rows)), np.zeros(points), np.zeros(instants), np.zeros(rows),
+    )  # fmt: skip
+    out = np.empty((n, len(LOADS)))
+    turn = (
+        2
+        * np.pi
+        / instants
+        * np.multiply.outer(np.arange(instants), np.arange(gaits.sine.shape[1]) + 1)
+    )
+    _extremes(
+        setting.tree, setting.parameters, setting.axis, setting.leg_damping, tuple(gaits), motion,
+        np.array((np.sin(turn), np.cos(turn))), _interpolation(steps, instants),
+        _interpolation(instants, points), work, out,
+    )  # fmt: skip
+    return out
+
+
+@cache
+def _interpolation(n: int, points: int) -> Array:
+    """Matrix (points, n) from n samples of a period to their trigonometric interpolation."""
+    spectrum = np.fft.rfft(np.eye(n), axis=0)
+    if n % 2 == 0:
+        # Half of the Nyquist term stands at each end of the longer spectrum.
+        spectrum[-1] *= 0.5
+    return np.ascontiguousarray(points / n * np.fft.irfft(spectrum, points, axis=0))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _extremes(  # type: ignore[no-untyped-def]
+    tree, parameters, axis, leg_damping, gaits, motion, turns, refine, finer, work, out
+):
+    tree, parameters, gaits = borrowed(tree), borrowed(parameters), borrowed(gaits)
+    motion, turns, refine = borrowed(motion), borrowed(turns), borrowed(refine)
+    finer, work, out = borrowed(finer), borrowed(work), borrowed(out)
+    n_legs = work.leg.shape[1]
+    for g in range(len(out)):
+        _evaluate(tree, parameters, axis, gaits, g, motion, turns, refine, work)
+        _product(finer, work.signals, work.fine)
+        for leg in range(n_legs):
+            for k in range(len(work.fine)):
+                # The motors also overcome the damping of their joints.
+                x = work.fine[k]
+                x[TORQUE + leg] += leg_damping * x[TORQUE + n_legs + leg]
+            for k in range(len(work.signals)):
+                x = work.signals[k]
+                x[TORQUE + leg] += leg_damping * x[TORQUE + n_legs + leg]
+        row = out[g]
+        row[0] = -_top(work, 0)
+        row[1] = np.nan
+        if parameters[1] > 0.0:
+            # No friction would do where the ground does not push.
+            row[1] = _top(work, 1) if row[0] > 0.0 else np.inf
+        square, row[3], row[4] = 0.0, 0.0, 0.0
+        for leg in range(n_legs):
+            row[3] = max(row[3], _top(work, 2 + leg))
+            for k in range(len(work.fine)):
+                x = work.fine[k]
+                square += x[TORQUE + leg] * x[TORQUE + leg]
+                work.values[k] = x[TORQUE + leg] * x[TORQUE + n_legs + leg]
+            row[4] += _mean_size(work.values)
+        row[2], row[5] = np.sqrt(square / len(work.fine)), np.inf
+        for k in range(len(work.fine)):
+            for i in range(TORQUE + 2 * n_legs + 1, work.fine.shape[1]):
+                row[5] = min(row[5], work.fine[k, i])
+
+
+@inner
+def _evaluate(tree, parameters, axis, gaits, g, motion, turns, refine, work):  # type: ignore[no-untyped-def]
+    """Signals of gait g at the instants."""
+    offset, sine, cosine, omega = gaits
+    n, legs, lanes = len(work.signals), offset.shape[1], work.lanes
+    for first in range(0, n, LANES):
+        for k in range(first, min(first + LANES, n)):
+            _legs(omega[g], offset[g], sine[g], cosine[g], turns, k, work.leg)
+            for leg in range(legs):
+                lanes.angle[leg, k - first] = work.leg[0, leg]
+                lanes.rate[leg, k - first] = work.leg[1, leg]
+        fill_lanes(tree, lanes, work.table, 0)
+        for k in range(first, min(first + LANES, n)):
+            for c in range(N_COEFFICIENTS):
+                work.coefficients[c] = work.table[0, c * LANES + k - first]
+            for s in range(6):
+                work.motion[s] = 0.0
+                for m in range(motion.shape[1]):
+                    work.motion[s] += refine[k, m] * motion[g, m, s]
+            _legs(omega[g], offset[g], sine[g], cosine[g], turns, k, work.leg)
+            loads(tree, work.motion[:3], work.motion[3:], work.coefficients, work.leg, parameters,
+                  axis, work.bodies, work.signals[k])  # fmt: skip
+
+
+@inner
+def _legs(omega, offset, sine, cosine, turns, k, leg):  # type: ignore[no-untyped-def]
+    """Angles, rates and accelerations (3, legs) of a gait at an instant."""
+    for i in range(offset.size):
+        leg[0, i], leg[1, i], leg[2, i] = offset[i], 0.0, 0.0
+        for j in range(len(sine)):
+            w, s, c = (j + 1) * omega, turns[0, k, j], turns[1, k, j]
+            swing = sine[j, i] * s + cosine[j, i] * c
+            leg[0, i] += swing
+            leg[1, i] += w * (sine[j, i] * c - cosine[j, i] * s)
+            leg[2, i] -= w * w * swing
+
+
+@inner
+def _product(matrix, source, out):  # type: ignore[no-untyped-def]
+    """out = matrix source."""
+    for k in range(len(out)):
+        for r in range(out.shape[1]):
+            out[k, r] = 0.0
+        for m in range(len(source)):
+            for r in range(out.shape[1]):
+                out[k, r] += matrix[k, m] * source[m, r]
+
+
+@inner
+def _value(x, kind):  # type: ignore[no-untyped-def]
+    """What is to be largest, of signals x: 0 minus the normal force, 1 friction, 2 + leg torque."""
+    if kind == 0:
+        return -x[0]
+    if kind == 1:
+        a, b, c = x[FRICTION], x[FRICTION + 1], x[FRICTION + 2]
+        return np.sqrt(a * a + b * b + c * c) / x[0]
+    return abs(x[TORQUE + kind - 2])
+
+
+@inner
+def _top(work, kind):  # type: ignore[no-untyped-def]
+    """Largest value over a cycle."""
+    values, n = work.values, len(work.values)
+    best = -np.inf
+    for k in range(n):
+        values[k] = _value(work.fine[k], kind)
+        best = max(best, values[k])
+    least = best - _NEAR * abs(best)
+    for k in range(n):
+        left, here, right = values[(k + n - 1) % n], values[k], values[(k + 1) % n]
+        if here >= least and here >= left and here > right:
+            best = max(best, _polished(work, kind, k, left, here, right))
+    return best
+
+
+@inner
+def _polished(work, kind, k, left, here, right):  # type: ignore[no-untyped-def]
+    """Largest value near point k: two parabolas, the second through points of the interpolant."""
+    width = 2.0 * np.pi / len(work.values)
+    at = width * (k + _vertex(left, here, right))
+    width /= _PARTS
+    middle = _at(work, kind, at)
+    t = _vertex(_at(work, kind, at - width), middle, _at(work, kind, at + width))
+    return max(middle, _at(work, kind, at + width * t))
+
+
+@inner
+def _vertex(left, here, right):  # type: ignore[no-untyped-def]
+    """Where the parabola through three points a unit apart is level, from the middle one."""
+    bend = left - 2.0 * here + right
+    return max(-1.0, min(1.0, 0.5 * (left - right) / bend)) if bend < 0.0 else 0.0
+
+
+@inner
+def _at(work, kind, angle):  # type: ignore[no-untyped-def]
+    """Value of the interpolant at a phase [rad]."""
+    n, rows = work.signals.shape
+    for r in range(rows):
+        work.there[r] = 0.0
+    for m in range(n):
+        # Dirichlet's kernel.
+        turn = 0.5 * (angle - 2.0 * np.pi * m / n)
+        sine = np.sin(turn)
+        weight = 1.0
+        if abs(sine) > 1e-9:
+            weight = np.sin(n * turn) / (n * sine)
+            if n % 2 == 0:
+                weight *= np.cos(turn)
+        for r in range(rows):
+            work.there[r] += weight * work.signals[m, r]
+    return _value(work.there, kind)
+
+
+@inner
+def _mean_size(values):  # type: ignore[no-untyped-def]
+    """Mean of |f| over a period, by cubics through f's points; each side of a zero on its own."""
+    n, total = len(values), 0.0
+    for k in range(n):
+        a, b, c, d = values[(k + n - 1) % n], values[k], values[(k + 1) % n], values[(k + 2) % n]
+        whole = (13.0 * (b + c) - a - d) / 24.0
+        if b * c >= 0.0:
+            total += abs(whole)
+            continue
+        # f = b + t (c1 + t (c2 + t c3)) for 0 < t < 1.
+        c2, c3 = 0.5 * (a + c) - b, (d - a) / 6.0 + 0.5 * (b - c)
+        c1 = c - b - c2 - c3
+        low, high = 0.0, 1.0
+        for _ in range(_HALVINGS):
+            t = 0.5 * (low + high)
+            if (b + t * (c1 + t * (c2 + t * c3))) * b > 0.0:
+                low = t
+            else:
+                high = t
+        before = low * (b + low * (c1 / 2.0 + low * (c2 / 3.0 + low * c3 / 4.0)))
+        total += abs(before) + abs(whole - before)
+    return total / n
