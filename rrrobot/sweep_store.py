@@ -311,7 +311,7 @@ def pending(status: NDArray[np.int8], block: int, chunk: int) -> Iterator[tuple[
 
 def curvature(speed: Array, yaw_rate: Array) -> Array:
     """K = alpha / v [1/m]; infinite for a turn on the spot, zero if nothing moves."""
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         moving = yaw_rate / speed
     still = np.where(np.abs(yaw_rate) > 1e-12, np.copysign(np.inf, yaw_rate), 0.0 * yaw_rate)
     return np.where(speed > 1e-12, moving, still)
