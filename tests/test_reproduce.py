@@ -130,7 +130,7 @@ def test_an_interrupted_run_keeps_its_items(tmp_path: Path) -> None:
         if key == "fig1":
             raise KeyboardInterrupt
 
-    with pytest.raises(KeyboardInterrupt):
+    with pytest.raises(KeyboardInterrupt, match="1 of 2 items"):
         reproduce(tmp_path, only=["table2", "fig1"], progress=stop)
     assert sorted(p.name for p in tmp_path.iterdir()) == ["table2.json"]
     assert reproduce(tmp_path, only=["table2", "fig1"]).kept == ["table2"]

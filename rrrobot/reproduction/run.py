@@ -72,6 +72,7 @@ def reproduce(
     Raises:
         ParameterError: a key that is not one of `ITEMS`.
         OutputError: the folder cannot be made or written.
+        KeyboardInterrupt: Ctrl-C; the message says how much is finished and kept.
 
     Example:
         >>> import rrrobot as rr
@@ -87,9 +88,15 @@ def reproduce(
     shop = Workshop(quick=quick)
     tell = progress or (lambda key, done, total: None)
     todo = [item for item in chosen if item.key not in kept]
-    for i, item in enumerate(todo):
-        tell(item.key, i, len(todo))
-        finished[item.key] = _make(item, shop, folder, mark)
+    try:
+        for i, item in enumerate(todo):
+            tell(item.key, i, len(todo))
+            finished[item.key] = _make(item, shop, folder, mark)
+    except KeyboardInterrupt:
+        done = sum(item.key in finished for item in chosen)
+        raise KeyboardInterrupt(
+            f"{done} of {len(chosen)} items are in {str(folder)!r}; the same call goes on there."
+        ) from None
     sections = [finished[item.key] for item in ITEMS if item.key in finished]
     missing = [item.key for item in ITEMS if item.key not in finished]
     about = About({name: version(name) for name in _PACKAGES}, quick, missing)
