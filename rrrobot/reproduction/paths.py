@@ -76,7 +76,7 @@ def _fig_15(shop: Workshop) -> Result:
         feature(
             "yaw amplitude, single-axis over full", "strong match",
             single.amplitude[2] / full.amplitude[2],
-            holds=abs(single.amplitude[2] / full.amplitude[2] - 1) < 0.15,
+            holds=abs(single.amplitude[2] / full.amplitude[2] - 1) < 0.05,
         ),
         feature(
             "yaw phase, single-axis less full", "strong match", lag, "deg", holds=abs(lag) < 10,

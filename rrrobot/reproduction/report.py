@@ -186,6 +186,7 @@ h2 {{ margin-top: 3rem; border-top: 1px solid #ccc; padding-top: 1rem; }}
 table {{ border-collapse: collapse; font-size: 0.9rem; }}
 th, td {{ text-align: left; padding: 0.25rem 0.7rem; border-bottom: 1px solid #ddd;
   vertical-align: top; }}
+td:first-child {{ min-width: 11rem; }}
 .n {{ text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }}
 img {{ max-width: 100%; height: auto; display: block; margin: 1rem 0; }}
 code {{ background: #f2f2f2; padding: 0.1rem 0.3rem; }}
