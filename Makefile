@@ -1,10 +1,10 @@
-# Verbs: demo, test, test-all, format, benchmark, urdf, clean. Each sets up what it needs in .venv.
+# Verbs: demo, test, test-all, format, benchmark, docs, urdf, clean. Each sets up what it needs in .venv.
 PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python3.14; do \
   $$p -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && echo $$p && break; done)
 BIN := .venv/bin
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test test-all lint format benchmark urdf clean
+.PHONY: demo test test-all lint format benchmark docs urdf clean
 .DEFAULT_GOAL := demo
 
 demo: .venv/.base  ## simulate both gaits of the paper for 30 s; numbers, plot and film in out/
@@ -31,6 +31,10 @@ benchmark: .venv/.bench  ## speed and peers; writes benchmarks/results and docs/
 	$(BIN)/python -m benchmarks.peers
 	$(BIN)/python -m benchmarks.report
 
+docs: .venv/.docs  ## the documentation site in out/site, from docs/ and the docstrings; no network
+	$(BIN)/python -m sphinx -n -W --keep-going -q -E -b html -d out/site-doctrees docs out/site
+	@echo "wrote out/site/index.html"
+
 urdf: .venv/.base  ## write urdf/*.urdf anew from the parameters
 	$(BIN)/python -c 'from rrrobot.urdf import main; main()'
 
@@ -49,6 +53,10 @@ clean:
 
 .venv/.dev: .venv/bin/pip pyproject.toml
 	$(BIN)/pip install -q -e '.[robots,dev]'
+	@touch $@ .venv/.base .venv/.docs
+
+.venv/.docs: .venv/bin/pip pyproject.toml
+	$(BIN)/pip install -q -e '.[docs]'
 	@touch $@ .venv/.base
 
 .venv/.bench: .venv/.dev
