@@ -13,6 +13,7 @@ import click
 import numpy as np
 
 from rrrobot.cli_build import MODELS, Options, build_damping, build_robot
+from rrrobot.cli_compile import tell_of_compiling
 from rrrobot.cli_options import option_group, robot_options
 from rrrobot.cli_report import aligned, to_json
 from rrrobot.cli_types import NUMBER, PER_LEG, Numbers
@@ -123,6 +124,7 @@ def optimise_command(**options: Any) -> None:
         raise click.UsageError("--points goes with --pareto only.")
     model = _model(options)
     settings = _settings(options)
+    tell_of_compiling(quiet=options["quiet"], loads=True)
     with _progress_bar(options["quiet"]) as progress:
         if goal is None:
             found: ParetoFront | OptimisedGait = pareto_front(

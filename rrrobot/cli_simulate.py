@@ -18,6 +18,7 @@ from rrrobot.cli_build import (
     build_run,
     progress_bar,
 )
+from rrrobot.cli_compile import tell_of_compiling
 from rrrobot.cli_options import (
     drive_options,
     gait_options,
@@ -96,6 +97,8 @@ def run(options: Options) -> None:
     settings = build_run(options)
     robot = build_robot(options)
     drive = build_drive(options, robot)
+    if settings.get("method") == "momentum" and options["model"] != DECOUPLED:
+        tell_of_compiling(quiet=options["quiet"], alone=True)
     try:
         with progress_bar(settings["duration"], quiet=options["quiet"]) as progress:
             trajectory = _simulate(options, robot, drive, settings | {"progress": progress})

@@ -77,7 +77,7 @@ Swept = Model | DecoupledModels
 
 
 class Engine(Protocol):
-    """Computes steady states: the columns `momentum.batch.RESULT` of gaits (n, N_RESULT)."""
+    """Computes steady states: the columns `RESULT` of `momentum.batch`, then `LOADS` if asked."""
 
     def __call__(
         self,
@@ -88,6 +88,7 @@ class Engine(Protocol):
         counted: int,
         steps_per_cycle: int,
         yaw_amplitude: Array | None = None,
+        loads: bool = False,
     ) -> Array: ...
 
 

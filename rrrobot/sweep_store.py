@@ -58,6 +58,16 @@ VARIABLES = {
     "clearance": ("m", "least height of the legs' masses over the swing, body upright"),
 }
 """Unit and long name of each variable; amplitudes and phases are of the first harmonic."""
+LOADS = {
+    "peak_torque": ("N m", "largest |motor torque| of any leg in the last cycle"),
+    "rms_torque": ("N m", "root of the mean sum of squared motor torques over the last cycle"),
+    "power": ("W", "mean sum of |motor torque x leg rate| over the last cycle"),
+    "friction": ("1", "largest friction coefficient that the contact needs in the last cycle"),
+}
+"""Variables that a sweep has on request. The motors' torques include the damping of their joints;
+those of a prismatic leg are forces [N]. Friction is NaN for pivoted models, which have no contact
+that could slip; for roll and pitch models it is that of all that holds the body, their guides
+included. All are NaN for decoupled models, whose motion no forces of the whole robot make."""
 
 _SIZES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 4, 6: 8}
 """Bytes of the types of classic netCDF."""
@@ -74,7 +84,12 @@ class Layout(NamedTuple):
     coords: dict[str, tuple[tuple[str, ...], Any, dict[str, str]]]
     """name -> (dimensions, values, attributes)"""
     attrs: dict[str, Any]
-    """numbers and JSON text"""
+    """numbers and JSON text; `loads` says whether those are among the variables"""
+
+    @property
+    def variables(self) -> dict[str, tuple[str, str]]:
+        """Unit and long name of each variable but the status."""
+        return VARIABLES | LOADS if self.attrs.get("loads") else VARIABLES
 
     @property
     def size(self) -> int:
@@ -98,7 +113,7 @@ class Layout(NamedTuple):
         Args:
             virtual: read-only columns that take no memory.
         """
-        blank: dict[str, Any] = dict.fromkeys(VARIABLES, np.array(np.nan))
+        blank: dict[str, Any] = dict.fromkeys(self.variables, np.array(np.nan))
         blank["status"] = np.array(NOT_COMPUTED, dtype=np.int8)
         make = np.broadcast_to if virtual else lambda value, size: np.full(size, value)
         return {name: make(value, self.size) for name, value in blank.items()}
@@ -111,7 +126,7 @@ def _attributes(name: str) -> dict[str, Any]:
             "flag_values": np.array(list(STATUS), dtype=np.int8),
             "flag_meanings": " ".join(STATUS.values()),
         }
-    unit, long_name = VARIABLES[name]
+    unit, long_name = (VARIABLES | LOADS)[name]
     return {"long_name": long_name, "units": unit}
 
 

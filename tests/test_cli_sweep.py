@@ -15,7 +15,9 @@ from click.testing import CliRunner, Result
 
 import rrrobot as rr
 from rrrobot.cli import cli
-from rrrobot.cli_sweep import draw_paper, parse_grid, sweep_command
+from rrrobot.cli_sweep import sweep_command
+from rrrobot.cli_sweep_grids import parse_grid
+from rrrobot.cli_sweep_report import draw_paper
 from rrrobot.sweep import sweep
 from rrrobot.sweep_models import DecoupledModels
 
@@ -153,6 +155,49 @@ def test_robot_of_a_urdf() -> None:
     assert data(*args, *SHORT)["fastest"] == ours
 
 
+def test_loads_are_shown_stored_and_drawn(tmp_path: Path) -> None:
+    out, folder = tmp_path / "sweep.nc", tmp_path / "maps"
+    args = ("--offset", "1,1.5", "--phase-difference", "1,2", *SHORT, "--loads")
+    found = data(*args, "--out", str(out), "--figures", str(folder))
+    ds = sweep(
+        rr.FullModel(ROBOT), offset=[1.0, 1.5], phase_difference=[1.0, 2.0], cycles=4, loads=True
+    )
+    xr.testing.assert_identical(xr.load_dataset(out), ds)
+    settled = ds.friction.where(ds.variation <= 0.05)
+    if settled.notnull().any():
+        assert found["loads"]["friction"] == [float(settled.min()), float(settled.max())]
+        assert found["fastest"]["peak_torque"] == float(
+            ds.peak_torque.where(ds.speed == found["fastest"]["speed"]).max()
+        )
+    names = {Path(name).name for name in found["files"]}
+    assert {"friction.png", "peak_torque.png", "rms_torque.png", "power.png"} <= names
+    text = good("--offset", "pi/4", "--loads").stdout
+    rows = dict(line.split("  ", 1) for line in text.splitlines())
+    assert rows["peak torque"].split()[1:] == ["..", rows["peak torque"].split()[0], "N", "m"]
+    assert "friction" in rows and rows["power"].endswith(" W")
+    assert data("--offset", "pi/4", *SHORT)["loads"] is None
+
+
+# Compiling
+
+
+def test_the_engine_says_that_it_is_compiled_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    from rrrobot.momentum import batch
+
+    asked: list[dict] = []
+
+    def ready(**what: bool) -> bool:
+        asked.append(what)
+        return False
+
+    monkeypatch.setattr(batch, "ready", ready)
+    result = run("--offset", "1", *SHORT, "--loads")
+    assert result.exit_code == 0
+    assert result.stderr == ("compiling the momentum engine: about 15 s, once after installation\n")
+    assert asked == [{"loads": True, "alone": False}]
+    assert run("--offset", "1", *SHORT, "--quiet").stderr == ""
+
+
 # Files
 
 
@@ -282,7 +327,7 @@ def test_ctrl_c_is_one_line_and_130(monkeypatch: pytest.MonkeyPatch, tmp_path: P
     def stop(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(import_module("rrrobot.sweep")._Job, "_collect", stop)
+    monkeypatch.setattr(import_module("rrrobot.sweep_job").Job, "_collect", stop)
     out = tmp_path / "sweep.nc"
     result = run("--offset", "0:1:100", "--out", str(out), *SHORT)
     assert result.exit_code == 130

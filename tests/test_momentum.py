@@ -4,9 +4,22 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
-from rrrobot.momentum.batch import RESULT, Gaits, decoupled_setting, setting_of, steady_states
+from rrrobot.momentum.batch import (
+    LOADS,
+    RESULT,
+    FourierGaits,
+    Gaits,
+    decoupled_setting,
+    ready,
+    setting_of,
+    settled,
+    steady_states,
+)
 from rrrobot.momentum.coefficients import coefficients
-from rrrobot.momentum.kernels import LANES, LIFT_OFF, VERTICAL
+from rrrobot.momentum.compiled import in_cache
+from rrrobot.momentum.extremes import extremes
+from rrrobot.momentum.kernels import LANES, LIFT_OFF, OK, VERTICAL
+from rrrobot.momentum.setting import VERTICAL as SINE_LIMIT
 from tests.random_robot import random_robot
 
 ODD = rr.RRRobotParameters(
@@ -201,6 +214,208 @@ def test_normal_force_and_lift_off():
     quick = rr.SinusoidalGait(offset=0.5, amplitude=0.3, angular_frequency=40.0, phase=(0.0, 0.3))
     t = rr.simulate(model, quick, 6.0, 0.002, method="momentum")
     assert t.normal_force[t.time > 5.5].min() < 0
+
+
+# Torques, power and friction
+
+
+def loads_of_a_trajectory(model, gait, cycles):
+    """By the KKT system, over the last cycle: extremes by parabolas through dense samples."""
+    n = 2000
+    step = gait.period / 80
+    t = rr.simulate(model, gait, cycles * gait.period, gait.period / 20, step=step)
+    start = t.state[-21]
+    # The gait begins anew with each cycle.
+    last = rr.simulate(model, gait, gait.period, gait.period / n, state=start, step=step)
+    torque, rate = last.leg_torque[:-1], last.leg_rate[:-1]
+    found = {
+        "rms_torque": np.sqrt((torque**2).sum(axis=1).mean()),
+        "peak_torque": max(top(np.abs(column)) for column in torque.T),
+        "power": np.abs(torque * rate).sum(axis=1).mean(),
+    }
+    found["friction"] = top(last.required_friction[:-1]) if last.has_contact else np.nan
+    return found
+
+
+def top(values):
+    k = int(values.argmax())
+    left, here, right = values[k - 1], values[k], values[(k + 1) % values.size]
+    return here + 0.125 * (left - right) ** 2 / (2 * here - left - right)
+
+
+def engine_loads(model, gait, cycles, steps):
+    some = Gaits(*(np.atleast_2d(part) for part in (gait.offset, gait.amplitude, gait.phase)),
+                 gait.angular_frequency[:1])  # fmt: skip
+    row = steady_states(
+        setting_of(model), some, cycles=cycles, counted=2, steps_per_cycle=steps, loads=True
+    )[0]
+    return dict(zip((*RESULT, *LOADS), row, strict=True))
+
+
+@pytest.mark.parametrize("model", MODELS, ids=lambda m: m.name)
+@pytest.mark.parametrize("parameters", [rr.RRRobotParameters(), ODD], ids=["Table 2", "odd"])
+def test_loads_are_those_of_the_kkt_trajectory(model, parameters):
+    kind = model(rr.Robot.from_parameters(parameters))
+    gait = rr.SinusoidalGait(
+        offset=(0.9, 1.4), amplitude=(0.3, 0.25), angular_frequency=8.0, phase=(0.4, 1.9)
+    )
+    expected = loads_of_a_trajectory(kind, gait, 30)
+    for steps, error in ((20, 2e-6), (10, 1e-3)):
+        found = engine_loads(kind, gait, 30, steps)
+        for name, value in expected.items():
+            # |torque x rate| has corners, at which either mean is less exact.
+            rel = max(error, 5e-6) if name == "power" else error
+            assert found[name] == pytest.approx(value, rel=rel, nan_ok=True), (name, steps)
+
+
+@pytest.mark.parametrize("damping", [rr.BodyRateDamping(0.3, 0.3, 0.3, legs=0.02), 0.3])
+@pytest.mark.parametrize("seed", [3, 5])
+def test_loads_of_random_trees(seed, damping):
+    """Revolute, prismatic and continuous joints, damped joints, the shell off the origin."""
+    robot = random_robot(seed, 6)
+    gait = rr.SinusoidalGait(
+        offset=np.linspace(-0.2, 0.2, 6),
+        amplitude=0.05,
+        angular_frequency=5.0,
+        phase=np.arange(6.0),
+    )
+    model = rr.FullModel(robot, damping=damping)
+    expected = loads_of_a_trajectory(model, gait, 30)
+    found = engine_loads(model, gait, 30, 24)
+    for name, value in expected.items():
+        # A motor of an inner joint has many harmonics.
+        assert found[name] == pytest.approx(value, rel=2e-5), name
+
+
+def test_loads_of_decoupled_and_of_stopped_lanes_are_none():
+    decoupled = decoupled_setting(rr.Robot.from_parameters())
+    calm = gaits([1.0, 1.0], 1.0)
+    rows = steady_states(decoupled, calm, loads=True, **COUNTS)
+    assert rows.shape[1] == len(RESULT) + len(LOADS)
+    assert np.isnan(rows[:, len(RESULT) :]).all() and np.isfinite(rows[:, 0]).all()
+    calm.amplitude[1], calm.angular_frequency[1] = 2.5, 6.5
+    setting = setting_of(rr.FullModel(rr.Robot.from_parameters()))
+    rows = steady_states(setting, calm, loads=True, **COUNTS)
+    assert np.isfinite(rows[0]).all() and np.isnan(rows[1, len(RESULT) :]).all()
+    np.testing.assert_array_equal(rows[:, : len(RESULT)], steady_states(setting, calm, **COUNTS))
+
+
+def test_loads_do_not_depend_on_other_lanes():
+    setting = setting_of(rr.FullModel(rr.Robot.from_parameters()))
+    many = gaits(np.linspace(0.5, 2.5, LANES + 3), 1.0)
+    together = steady_states(setting, many, loads=True, **COUNTS)
+    for k in (0, LANES, LANES + 2):
+        alone = Gaits(*(array[k : k + 1] for array in many))
+        np.testing.assert_array_equal(
+            steady_states(setting, alone, loads=True, **COUNTS)[0], together[k]
+        )
+
+
+def test_lanes_of_unlike_length_do_not_depend_on_each_other():
+    setting = setting_of(rr.FullModel(rr.Robot.from_parameters()))
+    rng = np.random.default_rng(4)
+    n = LANES + 5
+    some = FourierGaits(
+        rng.uniform(0, np.pi, (n, 2)), rng.normal(size=(n, 3, 2)) * 0.1,
+        rng.normal(size=(n, 3, 2)) * 0.1, rng.uniform(4, 10, n),
+    )  # fmt: skip
+    cycles = rng.integers(3, 30, n)
+    options = {"counted": 3, "steps": 24, "motion": True}
+    together = settled(setting, some, cycles=cycles, **options)
+    found = extremes(setting, some, together.motion)
+    for k in (0, 7, n - 1):
+        one = FourierGaits(*(part[k : k + 1] for part in some))
+        alone = settled(setting, one, cycles=cycles[k : k + 1], **options)
+        for a, b in zip(alone, together, strict=True):
+            np.testing.assert_array_equal(a[0], b[k])
+        np.testing.assert_array_equal(extremes(setting, one, alone.motion)[0], found[k])
+
+
+# The vertical
+
+
+def test_the_vertical_between_two_steps_is_seen():
+    """A pitch of more than 89.5 degrees for 1/50 of a step, at no step."""
+    model = rr.FullModel(rr.Robot.from_parameters())
+    free = rr.FullModel(model.robot, damping=rr.BodyRateDamping(0.01, 0.01, 0.01))
+    setting, steps = setting_of(free), 16
+    some = gaits([np.pi / 2], 0.0)
+    some.angular_frequency[:] = 6.0
+    low, high = 0.3, 2.0
+
+    def pitch(amplitude, n):
+        some.amplitude[:] = amplitude
+        fourier = FourierGaits(some.offset, some.amplitude[:, None], 0 * some.amplitude[:, None],
+                               some.angular_frequency)  # fmt: skip
+        return float(settled(setting, fourier, cycles=np.array([4]), counted=2, steps=n).pitch[0])
+
+    wanted = np.deg2rad(89.8)
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if pitch(middle, 160) < wanted else (low, middle)
+    assert pitch(low, 160) == pytest.approx(wanted, abs=1e-4)
+    # An independent look: the KKT model, at the engine's steps and between them.
+    gait = rr.SinusoidalGait(offset=np.pi / 2, amplitude=low, angular_frequency=6.0, n_legs=2)
+    t = rr.simulate(free, gait, 4 * gait.period, gait.period / 1600, step=gait.period / 160)
+    seen = np.abs(t.euler[:, 1])
+    assert seen.max() == pytest.approx(wanted, abs=1e-4)
+    assert seen[:: 1600 // steps].max() < np.deg2rad(89.3)
+    counts = {"cycles": 4, "counted": 2, "steps_per_cycle": steps}
+    assert steady_states(setting, some, **counts)[0, len(RESULT) - 1] == OK
+    stops = setting._replace(limit=SINE_LIMIT)
+    assert steady_states(stops, some, **counts)[0, len(RESULT) - 1] == VERTICAL
+    some.amplitude[:] = 0.97 * low
+    assert steady_states(stops, some, **counts)[0, len(RESULT) - 1] == OK
+
+
+def test_the_largest_pitch_is_that_of_a_trajectory():
+    model = rr.FullModel(rr.Robot.from_parameters())
+    for gait in (rr.gait("lateral", amplitude=0.5), rr.gait("circular")):
+        t = rr.simulate(model, gait, 6 * gait.period, gait.period / 400, method="momentum")
+        some = FourierGaits(
+            gait.offset[None], (gait.amplitude * np.cos(gait.phase))[None, None],
+            (gait.amplitude * np.sin(gait.phase))[None, None], gait.angular_frequency[:1],
+        )  # fmt: skip
+        found = settled(setting_of(model), some, cycles=np.array([6]), counted=2, steps=10)
+        assert found.pitch[0] == pytest.approx(np.abs(t.euler[:, 1]).max(), rel=2e-4)
+
+
+# Compiling
+
+
+def test_what_is_compiled_is_known(tmp_path):
+    import subprocess
+    import sys
+
+    from numba import njit
+
+    def twice(x):
+        return 2 * x
+
+    assert not in_cache(njit(twice)) or not njit(twice).signatures
+    steady_states(
+        setting_of(rr.FullModel(rr.Robot.from_parameters())),
+        gaits([1.0], 1.0),
+        **COUNTS,
+        loads=True,
+    )
+    assert ready() and ready(loads=True)
+    (tmp_path / "twice.py").write_text(
+        "from numba import njit\nfrom rrrobot.momentum.compiled import in_cache\n"
+        "@njit(cache=True)\ndef twice(x):\n    return 2 * x\n"
+        "print(in_cache(twice))\ntwice(1.0)\nprint(in_cache(twice))\n"
+    )
+
+    def said():
+        return subprocess.run(
+            [sys.executable, "twice.py"], cwd=tmp_path, capture_output=True, text=True, check=True
+        ).stdout.split()
+
+    assert said() == ["False", "True"]
+    assert said() == ["True", "True"]
+    with open(tmp_path / "twice.py", "a") as stream:
+        stream.write("# changed\n")
+    assert said() == ["False", "True"]
 
 
 def test_what_the_engine_cannot_do_is_told():

@@ -21,7 +21,7 @@ from rrrobot import sweep_models
 from rrrobot.errors import SweepInterrupted
 from rrrobot.sweep import sweep
 from rrrobot.sweep_models import DecoupledModels, clearance, parameters_of, remade
-from rrrobot.sweep_store import STATUS, VARIABLES
+from rrrobot.sweep_store import LOADS, STATUS, VARIABLES
 from tests.random_robot import random_robot
 
 sweep_module = import_module("rrrobot.sweep")
@@ -167,6 +167,37 @@ def test_describes_itself(small: xr.Dataset) -> None:
     assert counts == [6, 3, 10]
 
 
+def test_loads_on_request(small: xr.Dataset) -> None:
+    """The same sweep with four more variables; what they are is tested with the engine."""
+    ds = sweep(FULL, **PLANE, **SHORT, loads=True, chunk=7)
+    assert set(ds.data_vars) == {*VARIABLES, *LOADS, "status"}
+    assert (small.attrs["loads"], ds.attrs["loads"]) == (0, 1)
+    for name in (*VARIABLES, "status"):
+        np.testing.assert_array_equal(ds[name], small[name])
+    for name, (unit, _) in LOADS.items():
+        assert ds[name].attrs["units"] == unit and ds[name].attrs["long_name"]
+        assert (ds[name] > 0).all(), name
+    assert bits(sweep(FULL, **PLANE, **SHORT, loads=True, threads=1)) == bits(ds)
+    pivoting = sweep(rr.PivotingModel(ROBOT), offset=1.0, **SHORT, loads=True)
+    assert pivoting.friction.isnull() and float(pivoting.peak_torque) > 0
+    both = sweep(DecoupledModels(ROBOT), offset=1.0, yaw_amplitude=0.2, **SHORT, loads=True)
+    assert all(both[name].isnull() for name in LOADS) and float(both.speed) > 0
+
+
+def test_loads_of_a_settled_gait_are_the_trajectorys() -> None:
+    gait = rr.gait("circular")
+    ds = sweep(FULL, offset=np.pi / 4, steps_per_cycle=20, loads=True)
+    t = rr.simulate(FULL, gait, 38 * gait.period, gait.period / 400, step=gait.period / 80)
+    last = slice(-401, -1)
+    # 400 samples miss the top of a peak, and the corners of a power, by up to a few 1e-5.
+    assert float(ds.friction) == pytest.approx(t.required_friction[last].max(), rel=5e-5)
+    assert float(ds.peak_torque) == pytest.approx(np.abs(t.leg_torque[last]).max(), rel=5e-5)
+    rms = np.sqrt((t.leg_torque[last] ** 2).sum(axis=1).mean())
+    assert float(ds.rms_torque) == pytest.approx(rms, rel=1e-7)
+    power = np.abs(t.leg_torque * t.leg_rate)[last].sum(axis=1).mean()
+    assert float(ds.power) == pytest.approx(power, rel=5e-5)
+
+
 def test_meanings_are_the_kernels() -> None:
     from rrrobot.momentum import batch, kernels
 
@@ -174,6 +205,7 @@ def test_meanings_are_the_kernels() -> None:
     words = ("steady_state", "pitch_reached_90_degrees", "value_not_finite", "lifts_off")
     assert {code: STATUS[code] for code in codes} == dict(zip(codes, words, strict=True))
     assert set(batch.RESULT) <= {*VARIABLES, "status"}
+    assert set(batch.LOADS) == set(LOADS)
     assert sweep_module._LANES == kernels.LANES
 
 
@@ -510,6 +542,7 @@ def test_a_leg_through_the_ground_is_flagged_not_refused() -> None:
         ({"offset": 0.0, "counted": 39}, "counted is 39"),
         ({"offset": 0.0, "steps_per_cycle": 3}, "steps_per_cycle is 3"),
         ({"offset": 0.0, "steps_per_cycle": 10**9}, "steps_per_cycle is 1000000000"),
+        ({"offset": 0.0, "loads": 1}, "loads is 1: it must be True or False"),
         ({"offset": 0.0, "chunk": 0}, "chunk is 0"),
         ({"offset": 0.0, "threads": 0}, "threads is 0"),
         ({"offset": 0.0, "parameters": {"mass": [1.0]}}, "has no 'mass'; it has leg_mass"),

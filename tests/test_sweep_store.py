@@ -163,6 +163,17 @@ def test_infinite_curvature_is_kept(store: Path) -> None:
     xr.testing.assert_identical(xr.load_dataset(store), ds)
 
 
+def test_loads_are_stored_and_resumed(store: Path, tmp_path: Path) -> None:
+    other = tmp_path / "other.nc"
+    ds = sweep(FULL, **GRIDS, loads=True, store=other)
+    with interrupted(30, store=store, chunk=10, loads=True):
+        assert 30 <= done(store) < SIZE
+    xr.testing.assert_identical(sweep(FULL, **GRIDS, loads=True, store=store), ds)
+    assert store.read_bytes() == other.read_bytes()
+    with pytest.raises(rr.OutputError, match=r"differs in loads \(1 there, 0 here\)"):
+        sweep(FULL, **GRIDS, store=store)
+
+
 # Interruptions
 
 

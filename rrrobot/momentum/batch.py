@@ -11,14 +11,21 @@ from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.momentum.coefficients import LANES
-from rrrobot.momentum.compiled import borrowed
-from rrrobot.momentum.kernels import BLOCK, N_STAGES, N_STATE, NODES, OK, step
+from rrrobot.momentum.compiled import borrowed, in_cache
+from rrrobot.momentum.extremes import LOADS as ALL_LOADS
+from rrrobot.momentum.extremes import evaluate, extremes
+from rrrobot.momentum.kernels import BLOCK, DECOUPLED, N_STAGES, N_STATE, NODES, OK, step
 from rrrobot.momentum.setting import Setting, decoupled_setting, setting_of
 from rrrobot.momentum.settle import FourierGaits, settle, work_of
 from rrrobot.momentum.summary import N_MOTION, N_RESULT, RESULT, ROWS_PER_STEP
 from rrrobot.momentum.vertical import pitch_of
 
+LOADS = ("friction", "rms_torque", "peak_torque", "power")
+"""Further entries of a lane's steady state, on request; see `extremes.LOADS`."""
+_STATUS = RESULT.index("status")
+
 __all__ = [
+    "LOADS",
     "N_RESULT",
     "RESULT",
     "ROWS_PER_STEP",
@@ -27,6 +34,7 @@ __all__ = [
     "Setting",
     "decoupled_setting",
     "march",
+    "ready",
     "setting_of",
     "settled",
     "stage_times",
@@ -136,11 +144,13 @@ def steady_states(
     counted: int,
     steps_per_cycle: int,
     yaw_amplitude: Array | None = None,
+    loads: bool = False,
 ) -> Array:
     """Steady states of many gaits from an upright impulsive start (n, N_RESULT).
 
-    The columns are `RESULT`; those of a lane that stopped or lifts off are NaN, its status says
-    why. Holds no interpreter lock while it computes, so chunks may run on threads.
+    The columns are `RESULT`, on request followed by `LOADS`; those of a lane that stopped or lifts
+    off are NaN, its status says why. Holds no interpreter lock while it computes, so chunks may run
+    on threads.
 
     Args:
         setting: the model.
@@ -150,14 +160,24 @@ def steady_states(
         steps_per_cycle: 10 give about 3e-7 of the speed on RRRobot.
         yaw_amplitude: of the legs in the yaw model alone (n, legs), for decoupled models; the
             gaits' own if None. The paper's Fig 20.
+        loads: whether to have these too (n, N_RESULT + len(LOADS)); NaN for decoupled models. On
+            RRRobot 10 steps give the torques and the friction to 1e-3, 20 to 1e-6.
     """
     yaw = None if yaw_amplitude is None else gaits._replace(amplitude=yaw_amplitude)
-    each = np.full(len(gaits.offset), cycles)
-    out = settled(
-        setting, fourier(gaits), cycles=each, counted=counted, steps=steps_per_cycle,
+    each, legs = np.full(len(gaits.offset), cycles), fourier(gaits)
+    moves = loads and setting.axis != DECOUPLED
+    found = settled(
+        setting, legs, cycles=each, counted=counted, steps=steps_per_cycle, motion=moves,
         yaw=None if yaw is None else fourier(yaw),
-    ).results  # fmt: skip
-    out[out[:, -1] != OK, :-1] = np.nan
+    )  # fmt: skip
+    out = found.results
+    if moves:
+        chosen = [ALL_LOADS.index(name) for name in LOADS]
+        out = np.column_stack((out, extremes(setting, legs, found.motion)[:, chosen]))
+    elif loads:
+        out = np.column_stack((out, np.full((len(out), len(LOADS)), np.nan)))
+    stopped = np.flatnonzero(out[:, _STATUS] != OK)
+    out[np.ix_(stopped, np.arange(out.shape[1]) != _STATUS)] = np.nan
     return out
 
 
@@ -210,3 +230,14 @@ def _slope_of(steps: int) -> Array:
     turn = 2 * np.pi / steps * order
     apart = np.subtract.outer(np.arange(4 * steps) / 4, np.arange(steps))
     return np.asarray(-4 * np.pi / steps * (np.sin(apart[:, :, None] * turn) * order).sum(axis=2))
+
+
+def ready(*, loads: bool = False, alone: bool = False) -> bool:
+    """Whether the engine is compiled; if not, its first use takes a while.
+
+    Args:
+        loads: with torques and friction.
+        alone: for one simulation by `march`, instead of steady states.
+    """
+    functions = [_march_block] if alone else [settle, *([evaluate] if loads else [])]
+    return all(in_cache(function) for function in functions)

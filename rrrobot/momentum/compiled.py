@@ -59,3 +59,23 @@ def _without_owner(context: Any, builder: Any, kind: Any, value: Any) -> Any:
         ]
         return context.make_tuple(builder, kind, parts)
     return value
+
+
+def in_cache(function: Any) -> bool:
+    """Whether a compiled function is ready: in this process, or on disk for this processor.
+
+    Args:
+        function: what `njit(cache=True)` made. Numba offers no question like this, so this looks
+            into its cache's index; should that have moved, the answer is yes.
+    """
+    if function.signatures:
+        return True
+    try:
+        # Each entry is for a signature, a processor and the code; the index is empty if the source
+        # has changed.
+        cache = function._cache
+        index = cache._cache_file._load_index()
+        here = function.targetctx.codegen().magic_tuple()
+        return any(key[1] == here for key in index)
+    except (AttributeError, IndexError, TypeError):
+        return True

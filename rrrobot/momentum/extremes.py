@@ -88,7 +88,7 @@ def extremes(setting: Setting, gaits: FourierGaits, motion: Array) -> Array:
         / instants
         * np.multiply.outer(np.arange(instants), np.arange(gaits.sine.shape[1]) + 1)
     )
-    _extremes(
+    evaluate(
         setting.tree, setting.parameters, setting.axis, setting.leg_damping, tuple(gaits), motion,
         np.array((np.sin(turn), np.cos(turn))), _interpolation(steps, instants),
         _interpolation(instants, points), work, out,
@@ -107,15 +107,16 @@ def _interpolation(n: int, points: int) -> Array:
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _extremes(  # type: ignore[no-untyped-def]
+def evaluate(  # type: ignore[no-untyped-def]
     tree, parameters, axis, leg_damping, gaits, motion, turns, refine, finer, work, out
 ):
+    """Loads of gaits; see `extremes`."""
     tree, parameters, gaits = borrowed(tree), borrowed(parameters), borrowed(gaits)
     motion, turns, refine = borrowed(motion), borrowed(turns), borrowed(refine)
     finer, work, out = borrowed(finer), borrowed(work), borrowed(out)
     n_legs = work.leg.shape[1]
     for g in range(len(out)):
-        _evaluate(tree, parameters, axis, gaits, g, motion, turns, refine, work)
+        _signals(tree, parameters, axis, gaits, g, motion, turns, refine, work)
         _product(finer, work.signals, work.fine)
         for leg in range(n_legs):
             for k in range(len(work.fine)):
@@ -146,7 +147,7 @@ def _extremes(  # type: ignore[no-untyped-def]
 
 
 @inner
-def _evaluate(tree, parameters, axis, gaits, g, motion, turns, refine, work):  # type: ignore[no-untyped-def]
+def _signals(tree, parameters, axis, gaits, g, motion, turns, refine, work):  # type: ignore[no-untyped-def]
     """Signals of gait g at the instants."""
     offset, sine, cosine, omega = gaits
     n, legs, lanes = len(work.signals), offset.shape[1], work.lanes

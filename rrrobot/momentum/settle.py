@@ -223,9 +223,9 @@ def _settle(axis, limit, first, work, motion, out):  # type: ignore[no-untyped-d
     y, before, total, scratch = work.state[0], work.state[1], work.state[2], work.state[3]
     n_steps, counted, n_out = len(work.lift), len(work.means), min(LANES, len(out) - first)
     _begin(axis, y, work.angles, work.sides, work.status, work.largest)
-    last = 0
+    last, first_end = 0, ends[0]
     for i in range(LANES):
-        last = max(last, ends[i])
+        last, first_end = max(last, ends[i]), min(first_end, ends[i])
     for cycle in range(last + 1):
         for e in range(3 * LANES):
             work.areas[e] = 0.0
@@ -247,7 +247,7 @@ def _settle(axis, limit, first, work, motion, out):  # type: ignore[no-untyped-d
                 )
             if cycle == last:
                 break
-            if cycle < last - counted:
+            if cycle < first_end - counted:
                 continue
             angles(before, axis, scratch)
             for i in range(n_out):
