@@ -1,4 +1,4 @@
-"""The momentum engine: a plane of gaits, a million gaits, threads, legs, cold start.
+"""The momentum engine: a plane of gaits, loads, a million gaits, threads, legs, cold start.
 
 Run with `python -m benchmarks.engine`; writes benchmarks/results/engine.json. Times are medians of
 one run.
@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.common import (
+    COUNTED,
     CYCLES,
     KAPPA,
     MIN_SPEED,
@@ -27,6 +28,7 @@ from benchmarks.common import (
     PERIOD,
     RESULTS,
     ROOT,
+    STEPS,
     TRUE_STEPS,
     Gaits,
     Timing,
@@ -41,7 +43,7 @@ from benchmarks.common import (
     repeated,
 )
 from rrrobot import FullModel
-from rrrobot.momentum.batch import setting_of
+from rrrobot.momentum.batch import LOADS, RESULT, setting_of, steady_states
 
 MILLION_CYCLES = 26
 """The first whole number of cycles that lasts 20 s."""
@@ -56,6 +58,25 @@ def grid(rows: int, repeats: int) -> dict[str, Any]:
         "gaits": rows * rows, "cycles": CYCLES, "repeats": repeats,
         **median(times)._asdict(), "wall_fastest": min(wall), "wall_slowest": max(wall),
     }  # fmt: skip
+
+
+def with_loads(rows: int, repeats: int) -> dict[str, Any]:
+    """The plane with torques, power and friction, and how well the default steps give them."""
+    setting, gaits = setting_of(full_model()), plane(rows, rows).gaits()
+
+    def run(steps: int) -> Any:
+        return steady_states(
+            setting, gaits, cycles=CYCLES, counted=COUNTED, steps_per_cycle=steps, loads=True
+        )[:, len(RESULT) :]
+
+    found = {"gaits": rows * rows, **median(repeated(lambda: run(STEPS), repeats))._asdict()}
+    true = run(2 * TRUE_STEPS)
+    for steps in (STEPS, 2 * STEPS):
+        error = np.abs(run(steps) / true - 1)
+        for i, name in enumerate(LOADS):
+            found[f"{name}_{steps}_steps_median"] = float(np.median(error[:, i]))
+            found[f"{name}_{steps}_steps_worst"] = float(error[:, i].max())
+    return found
 
 
 def accuracy(rows: int, sample: int, seed: int = 1) -> dict[str, Any]:
@@ -216,6 +237,7 @@ def main() -> None:
     with recorded("engine", arguments.out) as results:
         steps = {
             "grid": lambda: grid(40, 15),
+            "loads": lambda: with_loads(40, 9),
             "accuracy": lambda: accuracy(40, 24),
             "convergence": lambda: convergence(20, (6, 8, 10, 12, 16, 20, 40)),
             "linearity": lambda: linearity((400, 1600, 6400, 25600), 5),

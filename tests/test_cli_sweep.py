@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import os
+import subprocess
+import sys
 from importlib import import_module
 from pathlib import Path
 
@@ -196,6 +199,29 @@ def test_the_engine_says_that_it_is_compiled_once(monkeypatch: pytest.MonkeyPatc
     assert result.stderr == ("compiling the momentum engine: about 15 s, once after installation\n")
     assert asked == [{"loads": True, "alone": False}]
     assert run("--offset", "1", *SHORT, "--quiet").stderr == ""
+
+
+@pytest.mark.slow
+def test_an_empty_cache_is_filled_once(tmp_path: Path) -> None:
+    """Takes as long as Numba does, so only its words are checked, not its time."""
+
+    command = ("sweep", "--offset", "1", *SHORT, "--json")
+
+    def sweep_once(*more: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run(
+            [sys.executable, "-c", "from rrrobot.cli import cli; cli()", *command, *more],
+            env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
+            capture_output=True,
+            text=True,
+            check=True,
+        )
+
+    options: list[tuple[str, ...]] = [(), (), ("--loads",), ("--loads",)]
+    first, second, loads, again = (sweep_once(*more) for more in options)
+    assert first.stderr.startswith("compiling the momentum engine") and second.stderr == ""
+    assert first.stderr.count("\n") == 1
+    assert json.loads(first.stdout)["fastest"] == json.loads(second.stdout)["fastest"]
+    assert loads.stderr == first.stderr and again.stderr == ""
 
 
 # Files

@@ -55,10 +55,10 @@ class Work(NamedTuple):
     """(points, signals)"""
     values: Array
     """(points,)"""
-    weights: Array
-    """(instants,)"""
     there: Array
     """signals at any instant (signals,)"""
+    tops: Array
+    """largest value of each kind, see `_value` (2 + legs,)"""
 
 
 def extremes(setting: Setting, gaits: FourierGaits, motion: Array) -> Array:
@@ -79,7 +79,8 @@ def extremes(setting: Setting, gaits: FourierGaits, motion: Array) -> Array:
     work = Work(
         lane_work(setting.tree), bodies(n_bodies), np.zeros((1, N_COEFFICIENTS * LANES)),
         np.zeros(N_COEFFICIENTS), np.zeros(6), np.zeros((3, legs)), np.zeros((instants, rows)),
-        np.zeros((points, rows)), np.zeros(points), np.zeros(instants), np.zeros(rows),
+        np.zeros((points, rows)), np.zeros(points), np.zeros(rows),
+        np.zeros(2 + legs),
     )  # fmt: skip
     out = np.empty((n, len(LOADS)))
     turn = (
@@ -126,15 +127,16 @@ def evaluate(  # type: ignore[no-untyped-def]
             for k in range(len(work.signals)):
                 x = work.signals[k]
                 x[TORQUE + leg] += leg_damping * x[TORQUE + n_legs + leg]
+        for kind in range(2 + n_legs):
+            work.tops[kind] = _top(work, kind)
         row = out[g]
-        row[0] = -_top(work, 0)
-        row[1] = np.nan
+        row[0], row[1] = -work.tops[0], np.nan
         if parameters[1] > 0.0:
             # No friction would do where the ground does not push.
-            row[1] = _top(work, 1) if row[0] > 0.0 else np.inf
+            row[1] = work.tops[1] if row[0] > 0.0 else np.inf
         square, row[3], row[4] = 0.0, 0.0, 0.0
         for leg in range(n_legs):
-            row[3] = max(row[3], _top(work, 2 + leg))
+            row[3] = max(row[3], work.tops[2 + leg])
             for k in range(len(work.fine)):
                 x = work.fine[k]
                 square += x[TORQUE + leg] * x[TORQUE + leg]
@@ -225,11 +227,19 @@ def _top(work, kind):  # type: ignore[no-untyped-def]
 def _polished(work, kind, k, left, here, right):  # type: ignore[no-untyped-def]
     """Largest value near point k: two parabolas, the second through points of the interpolant."""
     width = 2.0 * np.pi / len(work.values)
-    at = width * (k + _vertex(left, here, right))
+    at, best = width * (k + _vertex(left, here, right)), here
     width /= _PARTS
-    middle = _at(work, kind, at)
-    t = _vertex(_at(work, kind, at - width), middle, _at(work, kind, at + width))
-    return max(middle, _at(work, kind, at + width * t))
+    move = 0.0
+    for n in range(4):
+        found = _at(work, kind, at + move)
+        best = max(best, found)
+        if n == 0:
+            middle, move = found, -width
+        elif n == 1:
+            left, move = found, width
+        else:
+            move = width * _vertex(left, middle, found)
+    return best
 
 
 @inner

@@ -17,7 +17,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from rrrobot.checks import Array
 from rrrobot.momentum.compiled import inner
@@ -60,7 +59,7 @@ def bodies(n: int) -> Bodies:
     )  # fmt: skip
 
 
-@njit(inline="always")
+@inner
 def _cross(a, b, out):  # type: ignore[no-untyped-def]
     """out = a x b; out is neither a nor b."""
     out[0] = a[1] * b[2] - a[2] * b[1]
@@ -68,7 +67,7 @@ def _cross(a, b, out):  # type: ignore[no-untyped-def]
     out[2] = a[0] * b[1] - a[1] * b[0]
 
 
-@njit(inline="always")
+@inner
 def _add_cross(a, b, out, scale):  # type: ignore[no-untyped-def]
     """Add scale a x b to out; out is neither a nor b."""
     out[0] += scale * (a[1] * b[2] - a[2] * b[1])

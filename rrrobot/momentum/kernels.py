@@ -264,17 +264,6 @@ def _advance(y, slopes, which, weights, n, h, total, out):  # type: ignore[no-un
         out[e] = y[e] + h[e] * total[e]
 
 
-@njit(inline="always")
-def rates(y, table, row, par, axis, k, stage):  # type: ignore[no-untyped-def]
-    """k[stage] = dy/dt of every lane, with the coefficients table[row]; see `step`."""
-    if axis < 0:
-        _rates(y, table, row, par, k, stage)
-    elif axis < DECOUPLED:
-        _axis_rates(y, table, row, par, k, stage, axis)
-    else:
-        _decoupled_rates(y, table, row, par, k, stage)
-
-
 @lanes
 def step(y, table, at, h, par, axis, slopes, total, work, areas):  # type: ignore[no-untyped-def]
     """One step of every lane, in place; adds the integrals of x, y and yaw to areas (3 LANES,).
@@ -288,15 +277,24 @@ def step(y, table, at, h, par, axis, slopes, total, work, areas):  # type: ignor
         slopes: scratch (N_STAGES, BLOCK); its first row then holds the rates at the step's start.
         total, work: scratch (BLOCK,), (BLOCK,).
     """
-    for stage in range(N_STAGES):
+    for stage in range(N_STAGES + 1):
         if stage == 0:
             for e in range(BLOCK):
                 work[e] = y[e]
         else:
             _advance(y, slopes, _WHICH, _WEIGHT, stage, h, total, work)
+        if stage == N_STAGES:
+            break
         b = _B[stage]
         if b != 0.0:
             for e in range(3 * LANES):
                 areas[e] += b * h[e] * work[7 * LANES + e]
-        rates(work, table, at + _NODE[stage], par, axis, slopes, stage)
-    _advance(y, slopes, _WHICH, _WEIGHT, N_STAGES, h, total, y)
+        row = at + _NODE[stage]
+        if axis < 0:
+            _rates(work, table, row, par, slopes, stage)
+        elif axis < DECOUPLED:
+            _axis_rates(work, table, row, par, slopes, stage, axis)
+        else:
+            _decoupled_rates(work, table, row, par, slopes, stage)
+    for e in range(BLOCK):
+        y[e] = work[e]

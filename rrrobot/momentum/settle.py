@@ -31,7 +31,6 @@ from rrrobot.momentum.kernels import (
     NOT_FINITE,
     OK,
     VERTICAL,
-    rates,
     step,
 )
 from rrrobot.momentum.setting import Setting
@@ -233,10 +232,8 @@ def _settle(axis, limit, first, work, motion, out):  # type: ignore[no-untyped-d
             for e in range(BLOCK):
                 before[e] = y[e]
             at = n * ROWS_PER_STEP
-            if cycle < last:
-                step(y, table, at, h, par, axis, slopes, total, scratch, work.areas)
-            else:
-                rates(y, table, 0, par, axis, slopes, 0)
+            # The step after the last only for the rates at its start.
+            step(y, table, at, h, par, axis, slopes, total, scratch, work.areas)
             if axis == DECOUPLED:
                 _check_finite(before, cycle, n, ends, work.status)
             else:
