@@ -61,5 +61,8 @@ html_theme_options = {
         "font-stack--monospace": "ui-monospace, 'SFMono-Regular', Menlo, Consolas, "
         "'DejaVu Sans Mono', monospace",
     },
-    "dark_css_variables": {"color-brand-primary": "#8bb8e8", "color-brand-content": "#8bb8e8"},
+    "dark_css_variables": {
+        "color-brand-primary": "#8bb8e8",
+        "color-brand-content": "#8bb8e8",
+    },
 }

@@ -27,11 +27,17 @@ from sphinx.transforms import SphinxTransform
 import rrrobot
 
 _API = re.compile(r"^```\{api\}\n(.*?)^```$", flags=re.M | re.S)
-_SECTION = re.compile(r"(Args|Attributes|Returns|Raises|Warns|Example|Examples|Yields):$")
+_SECTION = re.compile(
+    r"(Args|Attributes|Returns|Raises|Warns|Example|Examples|Yields):$"
+)
 _TOGETHER = re.compile(r"^(    \w+(?:, \w+)+):")
 _WRAPPED = re.compile(r"^(    (?:\*?\w+, )*\*?\w+,)\n +", flags=re.M)
 _CODE = re.compile(r"``?[^`]+``?")
-_GOOGLE = Config(napoleon_use_ivar=True, napoleon_use_rtype=False, napoleon_attr_annotations=False)
+_GOOGLE = Config(
+    napoleon_use_ivar=True,
+    napoleon_use_rtype=False,
+    napoleon_attr_annotations=False,
+)
 _CALL = re.compile(r"rr\.(\w+)((?:\.\w+)*)(?:\(.*\))?")
 
 
@@ -41,7 +47,9 @@ def thing(name: str) -> Any:
     path = "rrrobot"
     for part in name.split("."):
         path += f".{part}"
-        found = getattr(found, part) if hasattr(found, part) else import_module(path)
+        found = (
+            getattr(found, part) if hasattr(found, part) else import_module(path)
+        )
         if inspect.isfunction(found) and not name.endswith(part):
             found = import_module(path)
     return found
@@ -65,18 +73,27 @@ def _defined(module: str) -> list[str]:
 
 def _directives(names: list[str]) -> str:
     lines = []
-    every = [_defined(name[:-2]) if name.endswith(".*") else [name] for name in names]
+    every = [
+        _defined(name[:-2]) if name.endswith(".*") else [name] for name in names
+    ]
     for name in chain.from_iterable(every):
         item = thing(name)
         kind = "class" if inspect.isclass(item) else "function"
         if inspect.isclass(item) and issubclass(item, BaseException):
             kind = "exception"
         module, _, last = f"rrrobot.{name}".rpartition(".")
-        lines += [f".. py:currentmodule:: {module}", "", f".. auto{kind}:: {last}", ""]
+        lines += [
+            f".. py:currentmodule:: {module}",
+            "",
+            f".. auto{kind}:: {last}",
+            "",
+        ]
     return "````{eval-rst}\n" + "\n".join(lines) + "\n````"
 
 
-def _plain(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]) -> None:
+def _plain(
+    app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: list[str]
+) -> None:
     """Make a docstring of plain text into reStructuredText."""
     if lines and lines[0].startswith("Alias for field number"):
         lines.clear()
@@ -85,15 +102,16 @@ def _plain(app: Sphinx, what: str, name: str, obj: Any, options: Any, lines: lis
     text = _WRAPPED.sub(r"\1 ", "\n".join(lines))
     text = _CODE.sub(lambda match: re.sub(r"\n\s*", " ", match[0]), text)
     plain = _restructured(text.split("\n"))
-    # A property's text is no "type: text".
-    if what not in ("property", "attribute", "data"):
-        plain = GoogleDocstring(plain, _GOOGLE, app, what, name, obj, options).lines()
+    # As of a method: a property's first line is no "type: text".
+    plain = GoogleDocstring(
+        plain, _GOOGLE, app, "method", name, obj, options
+    ).lines()
     lines[:] = plain
 
 
 def _restructured(lines: list[str]) -> list[str]:
     out: list[str] = []
-    indent, section = 0, False
+    indent, section = 0, ""
     for i, line in enumerate(lines):
         text = line.strip()
         depth = len(line) - len(line.lstrip())
@@ -101,11 +119,11 @@ def _restructured(lines: list[str]) -> list[str]:
             out.append("")
             continue
         if _SECTION.match(text) and depth == 0:
-            section, indent = True, 4
+            section, indent = text, 4
             out.append(line)
             continue
         if depth == 0:
-            section, indent = False, 0
+            section, indent = "", 0
         in_example = text.startswith((">>>", "...")) or _in_doctest(lines, i)
         if in_example:
             out.append(line)
@@ -119,7 +137,9 @@ def _restructured(lines: list[str]) -> list[str]:
             continue
         line = line[:depth] + _escaped(text)
         # napoleon takes "a, b: text" for a b of type a.
-        out.append(_TOGETHER.sub(lambda match: match[0].replace(", ", ","), line))
+        if section == "Attributes:":
+            line = _TOGETHER.sub(lambda match: match[0].replace(", ", ","), line)
+        out.append(line)
     return out
 
 
@@ -159,7 +179,9 @@ def _plain_words(text: str) -> str:
     return re.sub(r"(\w)_(?=\W|$)", r"\1\\_", text)
 
 
-def _skip(app: Sphinx, what: str, name: str, obj: Any, skip: bool, options: Any) -> bool | None:
+def _skip(
+    app: Sphinx, what: str, name: str, obj: Any, skip: bool, options: Any
+) -> bool | None:
     """Leave out methods that have no text of their own: their base class describes them."""
     function = obj.fget if isinstance(obj, property) else obj
     inherited = inspect.isfunction(function) and function.__doc__ is None
@@ -174,7 +196,9 @@ class _Links(SphinxTransform):
     def apply(self, **_: Any) -> None:
         for literal in list(self.document.findall(nodes.literal)):
             match = _CALL.fullmatch(literal.astext())
-            linked = isinstance(literal.parent, (nodes.reference, addnodes.pending_xref))
+            linked = isinstance(
+                literal.parent, (nodes.reference, addnodes.pending_xref)
+            )
             if match is None or linked or match[1] not in rrrobot.__all__:
                 continue
             target = f"rrrobot.{match[1]}{match[2]}"

@@ -11,7 +11,17 @@ from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
 CITATION = Path(__file__).parents[2] / "CITATION.cff"
-_FIELDS = ("journal", "volume", "issue", "start", "end", "year", "doi", "url", "version")
+_FIELDS = (
+    "journal",
+    "volume",
+    "issue",
+    "start",
+    "end",
+    "year",
+    "doi",
+    "url",
+    "version",
+)
 _NAMES = {"issue": "number"}
 
 
@@ -27,13 +37,17 @@ def _entry(item: dict[str, Any]) -> str:
     article = item.get("type") == "article"
     key = word if article else item["title"].split(":")[0].split()[0]
     fields = {"author": " and ".join(authors), "title": "{" + item["title"] + "}"}
-    fields |= {_NAMES.get(name, name): str(item[name]) for name in _FIELDS if name in item}
+    fields |= {
+        _NAMES.get(name, name): str(item[name]) for name in _FIELDS if name in item
+    }
     if "start" in fields:
         fields["pages"] = fields.pop("start") + (
             f"--{fields.pop('end')}" if "end" in fields else ""
         )
     lines = [f"  {name} = {{{value}}}," for name, value in fields.items()]
-    return "\n".join([f"@{'article' if article else 'software'}{{{key},", *lines, "}"])
+    return "\n".join(
+        [f"@{'article' if article else 'software'}{{{key},", *lines, "}"]
+    )
 
 
 def _name(author: dict[str, str]) -> str:

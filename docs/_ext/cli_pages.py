@@ -13,9 +13,13 @@ from sphinx.util.docutils import SphinxDirective
 from rrrobot.cli import cli
 
 
-def helps(command: click.Command = cli, name: str = "rrrobot") -> Iterator[tuple[str, str]]:
+def helps(
+    command: click.Command = cli, name: str = "rrrobot"
+) -> Iterator[tuple[str, str]]:
     """(command, its help) of a command and all below it."""
-    context = click.Context(command, info_name=name, max_content_width=80, terminal_width=80)
+    context = click.Context(
+        command, info_name=name, max_content_width=80, terminal_width=80
+    )
     yield name, command.get_help(context)
     if isinstance(command, click.Group):
         for below in command.list_commands(context):

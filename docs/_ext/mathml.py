@@ -27,7 +27,12 @@ _THIN = {"width": "0.167em"}
 # First characters of the alphabets (capitals, small letters) of bold and of bold italic letters.
 _BOLD = {
     "bold": {"A": 0x1D400, "a": 0x1D41A, "\u0391": 0x1D6A8, "\u03b1": 0x1D6C2},
-    "bold-italic": {"A": 0x1D468, "a": 0x1D482, "\u0391": 0x1D71C, "\u03b1": 0x1D736},
+    "bold-italic": {
+        "A": 0x1D468,
+        "a": 0x1D482,
+        "\u0391": 0x1D71C,
+        "\u03b1": 0x1D736,
+    },
 }
 # Browsers set single letters in italics: Latin (the h has its own place) and Greek.
 _ITALICS = [*range(0x1D434, 0x1D468), 0x210E, *range(0x1D6E2, 0x1D71C)]
@@ -44,7 +49,9 @@ def to_mathml(latex: str, display: str) -> str:
     try:
         tree = ET.fromstring(convert(source, display=display))
     except Exception as error:
-        raise ExtensionError(f"the formula {latex!r} is not understood: {error!r}") from None
+        raise ExtensionError(
+            f"the formula {latex!r} is not understood: {error!r}"
+        ) from None
     _mend(tree)
     for element in tree.iter():
         _characters.update(element.text or "")
@@ -58,7 +65,11 @@ def _mend(parent: ET.Element) -> None:
         variant = child.attrib.pop("mathvariant", None)
         if variant in _BOLD and child.text:
             child.text = "".join(_bold(c, _BOLD[variant]) for c in child.text)
-    if _name(parent) == "mover" and len(children) == 2 and children[1].text in _ACCENTS:
+    if (
+        _name(parent) == "mover"
+        and len(children) == 2
+        and children[1].text in _ACCENTS
+    ):
         parent.set("accent", "true")
         children[1].set("stretchy", "false")
     if _name(parent) in ("mrow", "mtd", "math"):
@@ -94,7 +105,9 @@ def _space_functions(parent: ET.Element, children: list[ET.Element]) -> None:
     for before, after in reversed(list(pairwise(children))):
         first, second = _word(before), _word(after)
         opens = _name(after) == "mo" or _name(after) == "mspace"
-        if (first and not opens) or (second and _name(before) not in ("mo", "mspace")):
+        if (first and not opens) or (
+            second and _name(before) not in ("mo", "mspace")
+        ):
             place = list(parent).index(after)
             parent.insert(place, ET.Element(f"{{{_SPACE}}}mspace", _THIN))
 
@@ -125,9 +138,15 @@ def _inline(self: HTML5Translator, node: nodes.Element) -> None:
 def _block(self: HTML5Translator, node: nodes.Element) -> None:
     latex = node.astext()
     tag = _TAG.search(latex)
-    number = f'<span class="equation-number">({html.escape(tag[1])})</span>' if tag else ""
+    number = (
+        f'<span class="equation-number">({html.escape(tag[1])})</span>'
+        if tag
+        else ""
+    )
     formula = to_mathml(_TAG.sub("", latex), "block")
-    self.body.append(f'<div class="equation"><div class="formula">{formula}</div>{number}</div>\n')
+    self.body.append(
+        f'<div class="equation"><div class="formula">{formula}</div>{number}</div>\n'
+    )
     raise nodes.SkipNode
 
 
@@ -139,12 +158,17 @@ class _Together(SphinxTransform):
     def apply(self, **_: Any) -> None:
         for math in list(self.document.findall(nodes.math)):
             after = math.next_node(descend=False, siblings=True)
-            if not isinstance(after, nodes.Text) or after.astext()[0] not in ".,;:)?":
+            if (
+                not isinstance(after, nodes.Text)
+                or after.astext()[0] not in ".,;:)?"
+            ):
                 continue
             text = after.astext()
             parent, place = math.parent, math.parent.index(math)
             parent[place : place + 2] = [
-                nodes.inline("", "", math, nodes.Text(text[0]), classes=["together"]),
+                nodes.inline(
+                    "", "", math, nodes.Text(text[0]), classes=["together"]
+                ),
                 nodes.Text(text[1:]),
             ]
 
@@ -160,12 +184,18 @@ def _write_font(app: Sphinx, error: Exception | None) -> None:
 
     logging.getLogger("fontTools").setLevel(logging.ERROR)
     source = Path(ziamath.__file__).parent / "fonts" / "STIXTwoMath-Regular.ttf"
-    options = subset.Options(flavor="woff", layout_features=["ssty", "dtls", "flac"])
+    options = subset.Options(
+        flavor="woff", layout_features=["ssty", "dtls", "flac"]
+    )
     font = subset.load_font(str(source), options)
     subsetter = subset.Subsetter(options)
-    subsetter.populate(unicodes=_ITALICS, text="".join(_characters) + "()[]{}|/√∑∫∮")
+    subsetter.populate(
+        unicodes=_ITALICS, text="".join(_characters) + "()[]{}|/√∑∫∮"
+    )
     subsetter.subset(font)
-    subset.save_font(font, str(Path(app.outdir) / "_static" / "STIXTwoMath.woff"), options)
+    subset.save_font(
+        font, str(Path(app.outdir) / "_static" / "STIXTwoMath.woff"), options
+    )
 
 
 def setup(app: Sphinx) -> dict[str, Any]:

@@ -100,7 +100,9 @@ def run_page(path: Path, folder: Path, kept: Path | None = None) -> Ran:
 def is_kept(path: Path, kept: Path | None) -> bool:
     """Whether a page need not be run anew."""
     nothing = not blocks_of(path.read_text())
-    return nothing or (kept is not None and (_home(path, kept) / "ran.json").exists())
+    return nothing or (
+        kept is not None and (_home(path, kept) / "ran.json").exists()
+    )
 
 
 def _home(path: Path, kept: Path) -> Path:
@@ -149,10 +151,14 @@ def _console(page: str, block: Block, names: dict[str, Any]) -> str:
     for command in re.sub(r"\\\n\s*", "", block.code).splitlines():
         words = shlex.split(command.removeprefix("$ "), comments=True)
         if not command.startswith("$ rrrobot "):
-            raise PageError(f"{page}, line {block.line}: a console block is '$ rrrobot ...' only.")
+            raise PageError(
+                f"{page}, line {block.line}: a console block is '$ rrrobot ...' only."
+            )
         result = CliRunner().invoke(cli, words[1:], prog_name="rrrobot")
         if result.exit_code != 0:
-            raise PageError(f"{page}, line {block.line}: {command}\n{result.output}")
+            raise PageError(
+                f"{page}, line {block.line}: {command}\n{result.output}"
+            )
         said.append(result.stdout.strip("\n"))
     return "\n".join(said)
 

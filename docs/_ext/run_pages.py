@@ -26,7 +26,10 @@ def _run_all(app: Sphinx) -> None:
     """Run every page before Sphinx reads the first, two at a time."""
     kept = Path(app.config.pages_cache) if app.config.pages_cache else None
     names = sorted(app.project.discover(app.config.exclude_patterns))
-    work = {name: (Path(app.srcdir, f"{name}.md"), _folder(app, name), kept) for name in names}
+    work = {
+        name: (Path(app.srcdir, f"{name}.md"), _folder(app, name), kept)
+        for name in names
+    }
     slow = [name for name in names if not is_kept(work[name][0], kept)]
     ran: dict[str, Ran] = {}
     if slow:
@@ -51,7 +54,9 @@ def _run_all(app: Sphinx) -> None:
 
 
 def _columns(work: dict[str, Any], names: list[str]) -> list[list[Any]]:
-    return [list(column) for column in zip(*(work[name] for name in names), strict=True)]
+    return [
+        list(column) for column in zip(*(work[name] for name in names), strict=True)
+    ]
 
 
 def _fold_controls(film: Path) -> None:
@@ -75,7 +80,11 @@ def _insert(app: Sphinx, name: str, source: list[str]) -> None:
         caption, file = match[1], match[2]
         if file not in ran.files:
             # The code that draws it was skipped: something optional is not installed.
-            return match[0] if (source_folder / file).exists() else f"*Not drawn here: {caption}.*"
+            return (
+                match[0]
+                if (source_folder / file).exists()
+                else f"*Not drawn here: {caption}.*"
+            )
         shown.append(file)
         return _figure(caption, f"{up}_made/{name.replace('/', '-')}/{file}")
 
@@ -84,15 +93,23 @@ def _insert(app: Sphinx, name: str, source: list[str]) -> None:
         at = block.end()
         words = block[2].split()
         if "hide" not in words:
-            parts.append(block[0].replace(block[2], words[0], 1) if is_run(block[2]) else block[0])
+            parts.append(
+                block[0].replace(block[2], words[0], 1)
+                if is_run(block[2])
+                else block[0]
+            )
         if is_run(block[2]):
             said = next(output)
             if said and "hide" not in words:
-                parts.append(f"\n\n````{{code-block}} text\n:class: output\n\n{said}\n````\n")
+                parts.append(
+                    f"\n\n````{{code-block}} text\n:class: output\n\n{said}\n````\n"
+                )
     parts.append(_SHOW.sub(show, text[at:]))
     unseen = sorted(set(ran.files) - set(shown))
     if unseen:
-        raise ExtensionError(f"{name}: no one sees {', '.join(unseen)}, which its code writes.")
+        raise ExtensionError(
+            f"{name}: no one sees {', '.join(unseen)}, which its code writes."
+        )
     source[0] = "".join(parts)
 
 
