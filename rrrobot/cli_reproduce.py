@@ -8,6 +8,7 @@ from typing import Any
 
 import click
 
+from rrrobot.cli_compile import tell_of_compiling
 from rrrobot.cli_report import to_json
 from rrrobot.reproduction.item import AGREES, DIFFERS, ERRATUM, OPEN
 from rrrobot.reproduction.report import Section, short
@@ -21,7 +22,7 @@ from rrrobot.reproduction.run import ITEMS, Reproduction, reproduce
 @click.option("--anew", is_flag=True, help="Do not keep what an earlier run has finished.")
 @click.option("--list", "show_list", is_flag=True, help="List the keys and stop.")
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
-@click.option("--quiet", is_flag=True, help="No progress bar.")
+@click.option("--quiet", is_flag=True, help="No progress bar, no word of compiling.")
 def reproduce_command(**options: Any) -> None:
     """Make the tables, figures and claims of the paper, and a report that sets ours beside them.
 
@@ -42,6 +43,7 @@ def reproduce_command(**options: Any) -> None:
             click.echo("\n".join(f"{row['key']:<{width}}  {row['title']}" for row in rows))
         return
     only = None if options["only"] is None else _keys(options["only"])
+    tell_of_compiling(quiet=options["quiet"])
     found = _run(options, only)
     if options["as_json"]:
         data = {"report": str(found.report), "sections": [s._asdict() for s in found.sections]}

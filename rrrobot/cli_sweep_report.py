@@ -129,32 +129,23 @@ def draw_paper(
         make: makes a model by its name.
         grids, run: of that sweep.
     """
-    from rrrobot.figures import maps
+    from rrrobot.figures import maps, paper
 
     pitch, yaw = (run_sweep(make(name), **grids, **run) for name in ("pitch", "yaw"))
     decoupled = make(DECOUPLED)
     thin = slice(None, None, math.ceil(full.sizes["offset"] / _MOST_MODULATED))
     modulation = maps.amplitude_modulation(decoupled.robot, full.isel(offset=thin))
-    known = modulation.dropna("offset").sortby("offset")
-    everywhere = np.full(full.sizes["offset"], np.nan)
-    if known.size:
-        everywhere = np.interp(full.offset, known.offset, known)
-    amplitude = full.offset.copy(data=everywhere)
+    amplitude = maps.filled(modulation, full.offset)
     single = run_sweep(decoupled, **grids, **run, yaw_amplitude=amplitude)
-    phases = maps.phase_difference(full), maps.phase_difference(pitch, yaw)
     return {
-        "fig_11_pitch_amplitude": maps.side_by_side(
-            full.pitch_amplitude, pitch.pitch_amplitude, ("full model", "pitch model")
-        ),
-        "fig_12_yaw_amplitude": maps.side_by_side(
-            full.yaw_amplitude, yaw.yaw_amplitude, ("full model", "yaw model")
-        ),
-        "fig_14_phase_difference": maps.side_by_side(*phases),
-        "fig_18_translation": maps.translation(full),
-        "fig_19_translation_decoupled": maps.translation(single),
-        "fig_20_modulation": maps.modulation(modulation).figure,
-        "fig_21_inverse": maps.inverse(full),
-        "fig_22_inverse_decoupled": maps.inverse(single),
+        "fig_11_pitch_amplitude": paper.fig_11(full, pitch),
+        "fig_12_yaw_amplitude": paper.fig_12(full, yaw),
+        "fig_14_phase_difference": paper.fig_14(full, pitch, yaw),
+        "fig_18_translation": paper.fig_18(full),
+        "fig_19_translation_decoupled": paper.fig_19(single),
+        "fig_20_modulation": paper.fig_20(modulation),
+        "fig_21_inverse": paper.fig_21(full),
+        "fig_22_inverse_decoupled": paper.fig_22(single),
     }
 
 

@@ -21,6 +21,8 @@ from rrrobot import cli_simulate
 from rrrobot.cli import cli
 from rrrobot.cli_types import parse_number
 
+pytestmark = pytest.mark.usefixtures("compiled_engine")
+
 SHORT = ("--duration", "0.5")
 URDF = str(rr.urdf_path("rrrobot"))
 

@@ -13,6 +13,8 @@ from rrrobot.cli import cli
 from rrrobot.cli_optimise import optimise_command
 from rrrobot.optimise_result import gait_from_dict
 
+pytestmark = pytest.mark.usefixtures("compiled_engine")
+
 if "optimise" not in cli.commands:
     cli.add_command(optimise_command)
 

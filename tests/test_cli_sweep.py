@@ -24,6 +24,8 @@ from rrrobot.cli_sweep_report import draw_paper
 from rrrobot.sweep import sweep
 from rrrobot.sweep_models import DecoupledModels
 
+pytestmark = pytest.mark.usefixtures("compiled_engine")
+
 ROBOT = rr.Robot.from_parameters()
 SHORT = ("--cycles", "4")
 # The group that turns errors into lines and exit codes, with this command.

@@ -20,6 +20,8 @@ from rrrobot.reproduction.item import AGREES, DIFFERS, ERRATUM, OPEN, Item, Resu
 from rrrobot.reproduction.run import ITEMS, Reproduction, reproduce
 from rrrobot.reproduction.workshop import Workshop
 
+pytestmark = pytest.mark.usefixtures("compiled_engine")
+
 PAPER_ITEMS = [f"table{i}" for i in range(1, 5)] + [f"fig{i}" for i in range(1, 23)]
 
 

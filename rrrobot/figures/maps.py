@@ -219,6 +219,17 @@ def amplitude_modulation(
     return row.yaw_rate.copy(data=found).assign_attrs(attrs).rename("yaw_model_amplitude")
 
 
+def filled(modulation: xr.DataArray, offset: xr.DataArray) -> xr.DataArray:
+    """The result of `amplitude_modulation` at other offsets, gaps filled linearly (offset,) [rad].
+
+    It is what `sweep` takes as `yaw_amplitude`; NaN, the gait's own amplitude, if nothing is known.
+    """
+    known = modulation.dropna("offset").sortby("offset")
+    if not known.size:
+        return offset.copy(data=np.full(offset.size, np.nan))
+    return offset.copy(data=np.interp(offset, known.offset, known))
+
+
 def modulation(values: xr.DataArray, ax: Axes | None = None) -> Axes:
     """The result of `amplitude_modulation` over the offset, with the gait's own amplitude."""
     ax = new_axes() if ax is None else ax

@@ -90,6 +90,6 @@ class Workshop:
     @property
     def yaw_amplitude(self) -> xr.DataArray:
         """`modulation` with its gaps, where nothing drifts, filled in linearly."""
-        known = self.modulation.dropna("offset")
-        filled = np.interp(self.modulation.offset, known.offset, known)
-        return self.modulation.copy(data=filled)
+        from rrrobot.figures.maps import filled
+
+        return filled(self.modulation, self.modulation.offset)
