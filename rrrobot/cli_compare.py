@@ -17,7 +17,7 @@ from rrrobot.cli_options import gait_options, robot_options
 from rrrobot.cli_report import to_json
 from rrrobot.cli_types import NUMBER
 from rrrobot.compare import MODELS, Comparison, compare
-from rrrobot.errors import OutputError
+from rrrobot.files import make_folder
 from rrrobot.oscillations import table_3
 from rrrobot.table4 import PAPER, Table4, table_4
 
@@ -62,7 +62,7 @@ def compare_command(**options: Any) -> None:
         table = _plane(robot, options)
         click.echo(to_json(table.to_dict()) if options["as_json"] else _table_4(table))
         return
-    folder = None if options["out"] is None else _folder(options["out"])
+    folder = None if options["out"] is None else make_folder(options["out"])
     gait = build_gait(options, robot)
     show = sys.stderr.isatty() and not options["quiet"]
     found = compare(
@@ -168,15 +168,6 @@ def _figures(found: Comparison, folder: Path) -> list[Path]:
         "rolling.png": rolling_shell(found.trajectories["full"]),
     }
     return [write_figure(figure, folder / name) for name, figure in figures.items()]
-
-
-def _folder(name: str) -> Path:
-    folder = Path(name)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {name!r}: {error.strerror}.") from None
-    return folder
 
 
 def _grid(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

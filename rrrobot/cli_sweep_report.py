@@ -12,7 +12,7 @@ import numpy as np
 
 from rrrobot.cli_build import DECOUPLED, Options
 from rrrobot.cli_report import aligned
-from rrrobot.errors import OutputError
+from rrrobot.files import make_folder
 from rrrobot.sweep import sweep as run_sweep
 from rrrobot.sweep_store import LOADS, STATUS
 
@@ -164,9 +164,4 @@ def folder_of(name: str, grids: dict[str, Any], parameters: dict[str, Any]) -> P
     wide = sum(np.size(grid) > 1 for grid in every)
     if wide != 2:
         raise click.UsageError(f"--figures draws maps over two grids; this sweep has {wide}.")
-    folder = Path(name)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {name!r}: {error.strerror}.") from None
-    return folder
+    return make_folder(name)

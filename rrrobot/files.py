@@ -35,6 +35,20 @@ def check_writable(path: str | Path) -> Path:
     return target
 
 
+def make_folder(path: str | Path) -> Path:
+    """Return the path as a folder, made with its parents if it is missing.
+
+    Raises:
+        OutputError: it cannot be made, or is a file.
+    """
+    folder = Path(path)
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except (OSError, ValueError) as error:
+        raise OutputError(f"cannot make the folder {str(path)!r}: {_reason(error)}.") from None
+    return folder
+
+
 def write_whole(path: str | Path, content: bytes) -> Path:
     """Write a file through a temporary neighbour and a rename, so that no reader sees half of it.
 

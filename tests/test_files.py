@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 import rrrobot as rr
-from rrrobot.files import check_writable, write_whole
+from rrrobot.files import check_writable, make_folder, write_whole
 
 
 def test_write_and_overwrite(tmp_path):
@@ -96,3 +96,12 @@ def test_the_longest_name(tmp_path):
 def test_check_writes_nothing(tmp_path):
     assert check_writable(str(tmp_path / "a.txt")) == tmp_path / "a.txt"
     assert os.listdir(tmp_path) == []
+
+
+def test_a_folder_is_made_with_its_parents(tmp_path):
+    folder = tmp_path / "a" / "b"
+    assert make_folder(folder) == make_folder(str(folder)) == folder and folder.is_dir()
+    (tmp_path / "file").touch()
+    for bad in (tmp_path / "file", tmp_path / "file" / "below", "nul\0"):
+        with pytest.raises(rr.OutputError, match="cannot make the folder"):
+            make_folder(bad)

@@ -10,8 +10,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rrrobot.errors import OutputError, ParameterError, RRRobotError
-from rrrobot.files import write_whole
+from rrrobot.errors import ParameterError, RRRobotError
+from rrrobot.files import make_folder, write_whole
 from rrrobot.reproduction.claims import CLAIMS
 from rrrobot.reproduction.errata import ERRATA
 from rrrobot.reproduction.item import Item, rows_to_data
@@ -81,7 +81,7 @@ def reproduce(
         'agrees'
     """
     chosen = _chosen(only)
-    folder = _folder(Path(out))
+    folder = make_folder(out)
     mark = _fingerprint(quick)
     finished = {item.key: found for item in ITEMS if (found := _finished(folder, item, mark))}
     kept = [item.key for item in chosen if item.key in finished] if resume else []
@@ -116,14 +116,6 @@ def _chosen(only: Sequence[str] | None) -> list[Item]:
             f"only is {', '.join(wrong) or 'empty'}: choose from {', '.join(known)}."
         )
     return [item for item in ITEMS if item.key in only]
-
-
-def _folder(folder: Path) -> Path:
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"cannot make the folder {str(folder)!r}: {error.strerror}.") from None
-    return folder
 
 
 def _make(item: Item, shop: Workshop, folder: Path, mark: str) -> Section:
