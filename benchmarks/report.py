@@ -11,10 +11,11 @@ from pathlib import Path
 
 from benchmarks.common import RESULTS, ROOT
 from benchmarks.report_peers import peers_page
+from benchmarks.report_simulators import simulators_page
 from benchmarks.tables import Record, machine, number, prose, seconds, table
 
 PAGE = ROOT / "docs" / "benchmarks.md"
-FILES = ("engine", "peers")
+FILES = ("engine", "peers", "simulators")
 HEAD = """\
 # Benchmarks
 
@@ -25,6 +26,7 @@ Written by `python -m benchmarks.report` from `benchmarks/results/*.json`. To me
 pip install -e '.[dev,bench]'
 python -m benchmarks.engine
 python -m benchmarks.peers
+python -m benchmarks.simulators
 python -m benchmarks.report
 ```
 
@@ -99,7 +101,12 @@ def engine_page(record: Record) -> str:
 def page(folder: Path) -> str:
     """The whole page from the folder's files."""
     records = {name: json.loads((folder / f"{name}.json").read_text()) for name in FILES}
-    return "\n".join((HEAD, engine_page(records["engine"]), peers_page(records["peers"])))
+    parts = (
+        engine_page(records["engine"]),
+        peers_page(records["peers"]),
+        simulators_page(records["simulators"]),
+    )
+    return "\n".join((HEAD, *parts))
 
 
 def main() -> None:
