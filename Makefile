@@ -40,7 +40,7 @@ urdf: .venv/.base  ## write urdf/*.urdf anew from the parameters
 	$(BIN)/python -c 'from rrrobot.urdf import main; main()'
 
 clean:
-	rm -rf .venv out build dist .pytest_cache .mypy_cache .ruff_cache
+	rm -rf .venv .venv-peers out build dist .pytest_cache .mypy_cache .ruff_cache
 
 .venv/bin/pip:
 	@test -n "$(PYTHON)" || { echo "rrrobot needs Python 3.11 or newer; set PYTHON=/path/to/python"; exit 1; }

@@ -1,6 +1,6 @@
-"""docs/benchmarks.md from benchmarks/results/*.json: `python -m benchmarks.report`.
+"""`python -m benchmarks.report`: docs/benchmarks.md and the README's table from the results.
 
-Every measured number of the page comes from those files.
+Every measured number comes from benchmarks/results/*.json.
 """
 
 from __future__ import annotations
@@ -11,10 +11,11 @@ from pathlib import Path
 
 from benchmarks.common import RESULTS, ROOT
 from benchmarks.report_peers import peers_page
+from benchmarks.report_readme import readme_block, replaced
 from benchmarks.report_simulators import simulators_page
 from benchmarks.tables import Record, machine, number, prose, seconds, table
 
-PAGE = ROOT / "docs" / "benchmarks.md"
+PAGE, README = ROOT / "docs" / "benchmarks.md", ROOT / "README.md"
 FILES = ("engine", "peers", "simulators")
 HEAD = """\
 # Benchmarks
@@ -109,13 +110,21 @@ def page(folder: Path) -> str:
     return "\n".join((HEAD, *parts))
 
 
+def readme(folder: Path, path: Path) -> str:
+    """The README with its table from the folder's files."""
+    record = json.loads((folder / "simulators.json").read_text())
+    return replaced(path.read_text(), readme_block(record))
+
+
 def main() -> None:
-    """Write docs/benchmarks.md."""
+    """Write docs/benchmarks.md and the README's table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--results", type=Path, default=RESULTS, help="folder of the JSON files")
     parser.add_argument("--page", type=Path, default=PAGE)
+    parser.add_argument("--readme", type=Path, default=README)
     arguments = parser.parse_args()
     arguments.page.write_text(page(arguments.results))
+    arguments.readme.write_text(readme(arguments.results, arguments.readme))
 
 
 if __name__ == "__main__":

@@ -120,3 +120,4 @@ def test_page_is_what_the_results_say():
     if not all((common.RESULTS / f"{name}.json").exists() for name in report.FILES):
         pytest.skip("benchmarks have not been run")
     assert report.PAGE.read_text() == report.page(common.RESULTS)
+    assert report.README.read_text() == report.readme(common.RESULTS, report.README)
