@@ -16,6 +16,7 @@ from rrrobot.cli_report import to_json
 from rrrobot.cli_sweep_grids import build_grids, grid_options
 from rrrobot.cli_sweep_report import draw, draw_paper, folder_of, summary, table, write_figures
 from rrrobot.cli_types import Numbers
+from rrrobot.errors import ParameterError
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.robot import Robot
 from rrrobot.sweep import sweep as run_sweep
@@ -100,6 +101,11 @@ def sweep_command(**options: Any) -> None:
         "threads": options["threads"],
         "progress": False if options["quiet"] else None,
     }
+    if options["loads"] and options["model"] == DECOUPLED:
+        raise ParameterError(
+            "--loads is given with --model decoupled: models side by side have no common torques; "
+            "choose one model, such as full."
+        )
     tell_of_compiling(quiet=options["quiet"], loads=options["loads"])
     started = time.perf_counter()
     ds = run_sweep(

@@ -42,6 +42,8 @@ def make_folder(path: str | Path) -> Path:
         OutputError: it cannot be made, or is a file.
     """
     folder = Path(path)
+    if not str(path):
+        raise OutputError("cannot make a folder without a name: name one, or '.' for this one.")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except (OSError, ValueError) as error:

@@ -126,6 +126,7 @@ ORDER = [
     "cli_sweep",
     "cli_view",
     "cli",
+    "__main__",
 ]
 # A convenience on the result object, loaded when it is called.
 ALLOWED_UP = {("trajectory", "figures.trajectory")}

@@ -75,7 +75,7 @@ def test_a_claim_can_fail(shop, monkeypatch):
     monkeypatch.setattr(
         claims_axes, "FullModel", lambda robot: rr.FullModel(robot, damping=(0.01, 0.0, 0.01))
     )
-    assert Found(shop, "claim-pitch-frequency").differing() != []
+    assert len(Found(shop, "claim-pitch-frequency").differing()) == 2
 
 
 def test_straight_line(shop):
@@ -114,7 +114,8 @@ def test_curved_path(shop):
 def test_phase_difference(shop):
     found = Found(shop, "claim-phase-difference")
     assert len(found.differing()) == 2 and all(" K " in name for name in found.differing())
-    assert found["K at a lead"] == pytest.approx(2.0, rel=1e-3)
+    assert found["K at a lead of 30"] == pytest.approx(2.0, rel=1e-3)
+    assert found["lead of 60 deg"] == pytest.approx(2 / math.sqrt(3), rel=1e-3)
     assert found["largest K"] == pytest.approx(2.17, rel=0.01)
     assert found["spread of the yaw rate"] == pytest.approx(0.074, abs=0.005)
     assert found["spread of v / (pitch"] == pytest.approx(0.095, abs=0.005)
@@ -190,7 +191,7 @@ def test_distortion_is_that_of_a_known_wave(shop, circular):
 
 def test_pitch_frequency(shop):
     found = Found(shop, "claim-pitch-frequency")
-    assert found.differing() == []
+    assert [name[:13] for name in found.differing()] == ["settled pitch"]
     assert found["settled pitch"] == 1.0 and found["rest of the spectrum"] < 1e-8
     assert found["own pitch"] == pytest.approx(2 * math.pi / 1.08145 / 8, rel=1e-5)
 
@@ -234,7 +235,7 @@ def test_decoupled(shop):
 def test_yaw_momentum(shop):
     found = Found(shop, "claim-yaw-momentum")
     assert found.differing() == []
-    assert found["change of the momentum"] < 1e-12 and found["legs stop"] < 1e-7
+    assert found["change of the momentum"] < 1e-8 and found["legs stop"] < 1e-7
     assert found["on the way"] > 0.3
 
 
@@ -301,7 +302,7 @@ def test_yaw_drift_cause(shop, circular):
 
 def test_pivoting_turns(shop):
     found = Found(shop, "claim-pivoting-turns")
-    assert len(found.differing()) == 2
+    assert len(found.differing()) == 1
     assert found["over full model's"] == pytest.approx(0.1978 / TURN, rel=1e-3)
     assert found["zero momentum: drift over its"] == pytest.approx(1.0, abs=1e-6)
     assert found["its pitch alone"] == pytest.approx(-0.0073444 / 0.0135522, rel=1e-3)

@@ -115,14 +115,18 @@ def test_a_second_run_keeps_what_is_finished(
 ) -> None:
     made: list[str] = []
     first = reproduce(tmp_path, only=["table2", "fig1"], progress=lambda k, *_: made.append(k))
-    before = {p.name: p.read_bytes() for p in tmp_path.iterdir()}
+    before = {p.name: p.read_bytes() for p in tmp_path.iterdir() if p.is_file()}
     (tmp_path / "fig1.png").unlink()
     again = reproduce(tmp_path, only=["table2", "fig1"], progress=lambda k, *_: made.append(k))
     assert made == ["table2", "fig1", "fig1"] and again.kept == ["table2"]
     assert again.sections == first.sections
-    assert {p.name: p.read_bytes() for p in tmp_path.iterdir()} == before
-    # Other grids are another run; what they made does not count.
-    assert reproduce(tmp_path, only=["table2"], quick=True).kept == []
+    assert {p.name: p.read_bytes() for p in tmp_path.iterdir() if p.is_file()} == before
+    # Other grids are another run: coarse ones do not replace fine ones, fine ones do coarse.
+    with pytest.raises(rr.OutputError, match="holds a full run"):
+        reproduce(tmp_path, only=["table2"], quick=True)
+    other = tmp_path / "other"
+    reproduce(other, only="table2", quick=True)
+    assert reproduce(other, only="table2").kept == []
     monkeypatch.setattr(run, "_fingerprint", lambda quick: "other code")
     assert reproduce(tmp_path, only=["table2"]).kept == []
 
@@ -134,7 +138,7 @@ def test_an_interrupted_run_keeps_its_items(tmp_path: Path) -> None:
 
     with pytest.raises(KeyboardInterrupt, match="1 of 2 items"):
         reproduce(tmp_path, only=["table2", "fig1"], progress=stop)
-    assert sorted(p.name for p in tmp_path.iterdir()) == ["table2.json"]
+    assert sorted(p.name for p in tmp_path.iterdir()) == ["report.html", "report.md", "table2.json"]
     assert reproduce(tmp_path, only=["table2", "fig1"]).kept == ["table2"]
 
 
@@ -147,7 +151,7 @@ def test_a_damaged_file_is_made_anew(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("only", [["fig23"], []])
 def test_unknown_keys_are_refused(tmp_path: Path, only: list[str]) -> None:
-    with pytest.raises(rr.ParameterError, match=r"table1.*fig22"):
+    with pytest.raises(rr.ParameterError, match=r"--list.*table1 to fig22"):
         reproduce(tmp_path, only=only)
 
 
@@ -178,7 +182,7 @@ def test_command(tmp_path: Path) -> None:
     result = CliRunner().invoke(cli, ["reproduce", "--list"])
     assert result.output.split()[0] == "table1" and len(result.output.splitlines()) == len(ITEMS)
     result = CliRunner().invoke(cli, ["reproduce", "--only", "fig99"])
-    assert result.exit_code == 1 and "choose from" in result.output
+    assert result.exit_code == 1 and "Did you mean fig9 or fig19?" in result.output
     (tmp_path / "file").write_text("")
     result = CliRunner().invoke(
         cli, ["reproduce", "--out", str(tmp_path / "file"), "--only", "fig9"]

@@ -102,8 +102,8 @@ def _pitch_frequency(shop: Workshop) -> Result:
     natural = 2 * math.pi / mode.period
     rows = (
         feature(
-            "settled pitch frequency over the legs'", "only slightly different", main,
-            holds=abs(main - 1) < 0.05, note="It is the same: the pitch is forced.",
+            "settled pitch frequency over the legs'", "slightly different", main,
+            holds=0.0 < abs(main - 1) < 0.05, note="It is the same: the pitch is forced.",
         ),
         feature(
             "rest of the spectrum between harmonics, over the peak", "only slightly different",

@@ -6,11 +6,12 @@ import hashlib
 import json
 import math
 from collections.abc import Callable, Sequence
+from difflib import get_close_matches
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rrrobot.errors import ParameterError, RRRobotError
+from rrrobot.errors import OutputError, ParameterError, RRRobotError
 from rrrobot.files import make_folder, write_whole
 from rrrobot.reproduction.claims import CLAIMS
 from rrrobot.reproduction.errata import ERRATA
@@ -48,7 +49,7 @@ class Reproduction(NamedTuple):
 def reproduce(
     out: str | Path,
     *,
-    only: Sequence[str] | None = None,
+    only: Sequence[str] | str | None = None,
     quick: bool = False,
     resume: bool = True,
     progress: Progress | None = None,
@@ -60,8 +61,8 @@ def reproduce(
 
     Args:
         out: folder, made if it is missing; it takes report.html, report.md, pictures and data.
-        only: keys of items, such as ["fig18", "table3"]; all if None. The report holds these
-            and what is finished already.
+        only: keys of items, such as ["fig18", "table3"] or "fig18,table3"; all if None. The report
+            holds these and what is finished already.
         quick: coarse grids for the maps, and the momentum method.
         resume: False: make what is finished anew.
         progress: called as each item begins.
@@ -71,7 +72,7 @@ def reproduce(
 
     Raises:
         ParameterError: a key that is not one of `ITEMS`.
-        OutputError: the folder cannot be made or written.
+        OutputError: the folder cannot be made or written, or a quick run would replace a full one.
         KeyboardInterrupt: Ctrl-C; the message says how much is finished and kept.
 
     Example:
@@ -83,6 +84,11 @@ def reproduce(
     chosen = _chosen(only)
     folder = make_folder(out)
     mark = _fingerprint(quick)
+    if quick and any(_finished(folder, item, _fingerprint(False)) for item in ITEMS):
+        raise OutputError(
+            f"{str(folder)!r} holds a full run, which a quick one would replace: name another "
+            "folder."
+        )
     finished = {item.key: found for item in ITEMS if (found := _finished(folder, item, mark))}
     kept = [item.key for item in chosen if item.key in finished] if resume else []
     shop = Workshop(quick=quick)
@@ -93,29 +99,38 @@ def reproduce(
             tell(item.key, i, len(todo))
             finished[item.key] = _make(item, shop, folder, mark)
     except KeyboardInterrupt:
+        _report(folder, finished, quick)
         done = sum(item.key in finished for item in chosen)
         raise KeyboardInterrupt(
             f"{done} of {len(chosen)} items are in {str(folder)!r}; the same call goes on there."
         ) from None
-    sections = [finished[item.key] for item in ITEMS if item.key in finished]
-    missing = [item.key for item in ITEMS if item.key not in finished]
-    about = About({name: version(name) for name in _PACKAGES}, quick, missing)
-    write_whole(folder / "report.md", markdown(sections, about).encode())
-    report = write_whole(folder / "report.html", page(sections, about).encode())
+    report = _report(folder, finished, quick)
     asked = [finished[item.key] for item in chosen]
     return Reproduction(asked, report, kept)
 
 
-def _chosen(only: Sequence[str] | None) -> list[Item]:
+def _report(folder: Path, finished: dict[str, Section], quick: bool) -> Path:
+    sections = [finished[item.key] for item in ITEMS if item.key in finished]
+    missing = [item.key for item in ITEMS if item.key not in finished]
+    about = About({name: version(name) for name in _PACKAGES}, quick, missing)
+    write_whole(folder / "report.md", markdown(sections, about).encode())
+    return write_whole(folder / "report.html", page(sections, about).encode())
+
+
+def _chosen(only: Sequence[str] | str | None) -> list[Item]:
     if only is None:
         return list(ITEMS)
     known = [item.key for item in ITEMS]
-    wrong = [key for key in only if key not in known]
-    if wrong or not only:
+    keys = only.split(",") if isinstance(only, str) else only
+    wrong = [key for key in keys if key not in known]
+    if wrong or not keys:
+        near = [n for key in wrong for n in get_close_matches(key, known, 2, 0.5)]
+        hint = f" Did you mean {' or '.join(near)}?" if near else ""
         raise ParameterError(
-            f"only is {', '.join(wrong) or 'empty'}: choose from {', '.join(known)}."
+            f"no item {', '.join(map(repr, wrong)) or 'is named'}.{hint} `rrrobot reproduce "
+            "--list` lists all keys, from table1 to fig22, the claims and the errata."
         )
-    return [item for item in ITEMS if item.key in only]
+    return [item for item in ITEMS if item.key in keys]
 
 
 def _make(item: Item, shop: Workshop, folder: Path, mark: str) -> Section:

@@ -127,9 +127,9 @@ def _pendulum_rows(swings: list[Trajectory], period: float, equation: str) -> tu
     cosine = small.euler[0, 1] * np.cos(2 * np.pi * small.time / found[0])
     off = float(np.abs(small.euler[:, 1] - cosine).max() / small.euler[0, 1])
     return (
-        number(
-            f"period of a swing from {_STARTS[0]} rad", period, found[0], "s",
-            within=0.002 * period, note=f"beside {equation}, which is for small swings",
+        feature(
+            f"period of a swing from {_STARTS[0]} rad over {equation}", "for small amplitude",
+            found[0] / period, holds=abs(found[0] / period - 1) < 0.002,
         ),
         feature(
             "its largest deviation from a cosine, of its amplitude", "harmonic for small amplitude",
