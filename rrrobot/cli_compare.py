@@ -14,7 +14,7 @@ import numpy as np
 from rrrobot.checks import finite
 from rrrobot.cli_build import build_gait, build_robot
 from rrrobot.cli_options import gait_options, robot_options
-from rrrobot.cli_report import to_json
+from rrrobot.cli_report import tell, to_json
 from rrrobot.cli_types import NUMBER
 from rrrobot.compare import MODELS, Comparison, compare
 from rrrobot.files import make_folder
@@ -72,13 +72,8 @@ def compare_command(**options: Any) -> None:
         progress=(lambda name: click.echo(f"simulating: {name}", err=True)) if show else None,
     )
     files = [] if folder is None else _figures(found, folder)
-    if options["as_json"]:
-        data = {"models": found.rows(), "yaw_amplitude_factor": found.yaw_amplitude_factor}
-        click.echo(to_json(data | {"files": [str(path) for path in files]}))
-        return
-    click.echo(_side_by_side(found))
-    for path in files:
-        click.echo(f"wrote {path}")
+    data = {"models": found.rows(), "yaw_amplitude_factor": found.yaw_amplitude_factor}
+    tell(data, _side_by_side(found), files, as_json=options["as_json"])
 
 
 @click.command()

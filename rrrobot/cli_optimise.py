@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -14,9 +13,9 @@ import numpy as np
 
 from rrrobot.cli_build import MODELS, Options, build_damping, build_robot
 from rrrobot.cli_compile import tell_of_compiling
-from rrrobot.cli_options import option_group, robot_options
+from rrrobot.cli_options import damping_options, option_group, robot_options
 from rrrobot.cli_report import aligned, to_json
-from rrrobot.cli_types import NUMBER, PER_LEG, Numbers
+from rrrobot.cli_types import NUMBER, PER_LEG
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable, write_whole
 from rrrobot.models.base import Model
@@ -88,8 +87,7 @@ limit_options = option_group(
 @limit_options
 @click.option("--model", type=click.Choice(("full", "pivoting")), default="full", show_default=True)
 @robot_options
-@click.option("--damping", type=Numbers(1, 3), help="One number or R,P,Y [N m s/rad].")
-@click.option("--damping-kind", type=click.Choice(("euler", "body")))
+@damping_options
 @click.option("--settle-time", type=NUMBER, default="25", show_default=True, help="[s]")
 @click.option(
     "--budget",
@@ -211,11 +209,9 @@ def _report(found: ParetoFront | OptimisedGait, files: dict[str, Path], *, as_js
     text = to_json(found.to_dict())
     if isinstance(found, ParetoFront):
         from rrrobot.figures.pareto import pareto
+        from rrrobot.figures.style import write_figure
 
-        stream, path = io.BytesIO(), files["pareto"]
-        kind = path.suffix.lower().removeprefix(".")
-        pareto(found).savefig(stream, format=kind, dpi=150)
-        write_whole(path, stream.getvalue())
+        write_figure(pareto(found), files["pareto"])
     if "out" in files:
         write_whole(files["out"], (text + "\n").encode())
     if as_json:

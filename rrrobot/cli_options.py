@@ -103,17 +103,7 @@ run_options = option_group(
     ),
 )
 
-start_options = option_group(
-    click.option(
-        "--start",
-        type=Numbers(3, words=("impulsive", "rest")),
-        default="impulsive",
-        show_default=True,
-        metavar="HOW",
-        help="impulsive: the legs' speed sets the body going without momentum; rest; or the rates "
-        "of roll, pitch, yaw as R,P,Y [rad/s].",
-    ),
-    click.option("--euler", type=Numbers(3), help="Roll, pitch, yaw at the start [rad], as R,P,Y."),
+damping_options = option_group(
     click.option(
         "--damping",
         type=Numbers(1, 3),
@@ -126,4 +116,17 @@ start_options = option_group(
         help="Of the rates of roll, pitch, yaw (the paper; singular at a pitch of 90 degrees), or "
         "of the rates about the body's axes; euler unless given.",
     ),
+)
+
+start_options = option_group(
+    click.option(
+        "--start",
+        type=Numbers(3, words=("impulsive", "rest")),
+        default="impulsive",
+        show_default=True,
+        metavar="HOW",
+        help="impulsive: the legs' speed sets the body going without momentum; rest; or the rates "
+        "of roll, pitch, yaw as R,P,Y [rad/s].",
+    ),
+    click.option("--euler", type=Numbers(3), help="Roll, pitch, yaw at the start [rad], as R,P,Y."),
 )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import io
 import math
 import sys
 from typing import Any
@@ -16,7 +15,7 @@ from rrrobot.cli_report import aligned, to_json
 from rrrobot.cli_types import NUMBER, Numbers, names
 from rrrobot.cycles import GOALS, OptimalCycle, optimal_cycle
 from rrrobot.errors import ParameterError
-from rrrobot.files import check_writable, write_whole
+from rrrobot.files import check_writable
 from rrrobot.gaits import Gait, SinusoidalGait
 from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
@@ -104,14 +103,13 @@ def reduce_command(**options: Any) -> None:
         data["plan"] = _plan(robot, pair, center, options)
     if target is not None:
         from rrrobot.figures.reduction import height_map
+        from rrrobot.figures.style import write_figure
 
         ax: Any = height_map(connection, cycles, pair=pair, limits=options["limits"])
-        stream = io.BytesIO()
         kind = target.suffix.removeprefix(".").lower() or "png"
         if kind not in ("png", "svg", "pdf"):
             raise ParameterError(f"--out is {target.name!r}: its ending must be png, svg or pdf.")
-        ax.figure.savefig(stream, format=kind, dpi=150)
-        data["file"] = str(write_whole(target, stream.getvalue()))
+        data["file"] = str(write_figure(ax.figure, target))
     click.echo(to_json(data) if options["as_json"] else _text(data))
     sys.stdout.flush()
 

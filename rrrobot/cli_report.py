@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
+import click
 import numpy as np
 
 from rrrobot.checks import Array
@@ -19,6 +21,16 @@ _AXES = ("roll", "pitch", "yaw")
 def to_json(data: object) -> str:
     """JSON text without NaN and infinity, which JSON does not know: they become null."""
     return json.dumps(_plain(data), indent=2, allow_nan=False)
+
+
+def tell(data: Mapping[str, Any], text: str, files: Sequence[Path], *, as_json: bool) -> None:
+    """Print a result, as JSON or as text, and which files were written."""
+    if as_json:
+        click.echo(to_json({**data, "files": [str(path) for path in files]}))
+        return
+    click.echo(text)
+    for path in files:
+        click.echo(f"wrote {path}")
 
 
 def summary(trajectory: Trajectory) -> dict[str, Any]:

@@ -20,6 +20,7 @@ from rrrobot.cli_build import (
 )
 from rrrobot.cli_compile import tell_of_compiling
 from rrrobot.cli_options import (
+    damping_options,
     drive_options,
     gait_options,
     option_group,
@@ -27,7 +28,7 @@ from rrrobot.cli_options import (
     run_options,
     start_options,
 )
-from rrrobot.cli_report import summary, table, to_json
+from rrrobot.cli_report import summary, table, tell
 from rrrobot.decoupled import decoupled
 from rrrobot.errors import OutputError, SimulationError
 from rrrobot.files import check_writable
@@ -68,6 +69,7 @@ output_options = option_group(
 @drive_options
 @run_options
 @start_options
+@damping_options
 @output_options
 def simulate(**options: Any) -> None:
     """Simulate a round robot that swings its legs.
@@ -106,13 +108,7 @@ def run(options: Options) -> None:
         raise _with_partial_run(error, files.get("save")) from None
     data = summary(trajectory)
     written = write_outputs(trajectory, files)
-    data["files"] = [str(path) for path in written]
-    if options["as_json"]:
-        click.echo(to_json(data))
-        return
-    click.echo(table(data))
-    for path in written:
-        click.echo(f"wrote {path}")
+    tell(data, table(data), written, as_json=options["as_json"])
 
 
 def _simulate(

@@ -11,11 +11,10 @@ import click
 
 from rrrobot.cli_build import DECOUPLED, MODELS, Options, build_damping, build_robot
 from rrrobot.cli_compile import tell_of_compiling
-from rrrobot.cli_options import option_group, robot_options
-from rrrobot.cli_report import to_json
+from rrrobot.cli_options import damping_options, option_group, robot_options
+from rrrobot.cli_report import tell
 from rrrobot.cli_sweep_grids import build_grids, grid_options
 from rrrobot.cli_sweep_report import draw, draw_paper, folder_of, summary, table, write_figures
-from rrrobot.cli_types import Numbers
 from rrrobot.errors import ParameterError
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.robot import Robot
@@ -26,17 +25,7 @@ run_options = option_group(
     click.option("--cycles", type=int, default=38, show_default=True, help="Of each gait."),
     click.option("--counted", type=int, help="Of these, at the end; those in the second half."),
     click.option("--steps", type=int, default=10, show_default=True, help="For each cycle."),
-    click.option(
-        "--damping",
-        type=Numbers(1, 3),
-        help="Viscous loss, one number or R,P,Y [N m s/rad]; 0.01 unless given, on the axes that "
-        "the paper damps.",
-    ),
-    click.option(
-        "--damping-kind",
-        type=click.Choice(("euler", "body")),
-        help="Of the rates of roll, pitch, yaw (the paper), or of the rates about the body's axes.",
-    ),
+    damping_options,
     click.option(
         "--loads",
         is_flag=True,
@@ -125,13 +114,7 @@ def sweep_command(**options: Any) -> None:
         files += write_figures(draw_paper(ds, make, grids, run), folder)
     elif folder is not None:
         files += write_figures(draw(ds), folder)
-    data["files"] = [str(path) for path in files]
-    if options["as_json"]:
-        click.echo(to_json(data))
-        return
-    click.echo(table(data))
-    for path in files:
-        click.echo(f"wrote {path}")
+    tell(data, table(data), files, as_json=options["as_json"])
 
 
 def _model(name: str, robot: Robot, options: Options) -> Swept:

@@ -44,9 +44,9 @@ def new_figure(width: float = 6.4, height: float = 4.2) -> Figure:
 
 
 def write_figure(figure: Figure, path: Path) -> Path:
-    """Write a figure as its suffix says (.png, .pdf, .svg), whole or not at all."""
+    """Write a figure as its suffix says (.png, .pdf, .svg; png without), whole or not at all."""
     stream = io.BytesIO()
-    figure.savefig(stream, format=path.suffix.lower().removeprefix("."), dpi=150)
+    figure.savefig(stream, format=path.suffix.lower().removeprefix(".") or "png", dpi=150)
     return write_whole(path, stream.getvalue())
 
 

@@ -11,7 +11,7 @@ from rrrobot.reduction import Connection
 from rrrobot.reduction_paths import out_of_phase_gait
 from rrrobot.reduction_yaw import net_yaw
 from rrrobot.reproduction.item import Item, Result, Row, feature, record
-from rrrobot.reproduction.workshop import Workshop
+from rrrobot.reproduction.workshop import HUMP, Workshop, hump, relative_rms
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,7 +22,7 @@ _TRAVELS = 2e-3
 
 def _fig_11(shop: Workshop) -> Result:
     full, pitch = shop.plane("full"), shop.plane("pitch")
-    off = _difference(full.pitch_amplitude, pitch.pitch_amplitude)
+    off = relative_rms(full.pitch_amplitude, pitch.pitch_amplitude)
     rows = (
         feature(
             "root mean square difference of the maps, of the full model's", "represented well",
@@ -37,18 +37,18 @@ def _fig_11(shop: Workshop) -> Result:
 
 def _fig_12(shop: Workshop) -> Result:
     full, yaw = shop.plane("full"), shop.plane("yaw")
-    humps = {name: _hump(ds.yaw_amplitude) for name, ds in (("full", full), ("yaw", yaw))}
+    humps = {name: hump(ds.yaw_amplitude) for name, ds in (("full", full), ("yaw", yaw))}
     rows = (
         feature(
             "yaw model: amplitude at offset pi/2 over that at pi/4", "a hump", humps["yaw"],
-            holds=humps["yaw"] > 1.1,
+            holds=humps["yaw"] > HUMP,
         ),
         feature(
-            "full model: the same", "no spike", humps["full"], holds=humps["full"] < 1.1,
+            "full model: the same", "no spike", humps["full"], holds=humps["full"] < HUMP,
             note="It rises by a few per cent, where the yaw model falls to zero at 0 and pi.",
         ),
         record("root mean square difference of the maps, of the full model's",
-               _difference(full.yaw_amplitude, yaw.yaw_amplitude)),
+               relative_rms(full.yaw_amplitude, yaw.yaw_amplitude)),
         record("largest yaw amplitude, full model", _degrees(full.yaw_amplitude.max()), "deg"),
         record("largest yaw amplitude, yaw model", _degrees(yaw.yaw_amplitude.max()), "deg"),
     )  # fmt: skip
@@ -171,17 +171,6 @@ def _fig_22(shop: Workshop) -> Result:
 
 def _degrees(angle: object) -> float:
     return float(np.rad2deg(float(angle)))  # type: ignore[arg-type]
-
-
-def _difference(full: xr.DataArray, other: xr.DataArray) -> float:
-    return float(np.sqrt(((other - full) ** 2).mean() / (full**2).mean()))
-
-
-def _hump(amplitude: xr.DataArray) -> float:
-    """Amplitude of opposite legs at offset pi/2 over that at pi/4."""
-    row = amplitude.sel(phase_difference=np.pi, method="nearest")
-    top, side = (row.sel(offset=o, method="nearest") for o in (np.pi / 2, np.pi / 4))
-    return float(top / side)
 
 
 def _likeness(full: xr.Dataset, single: xr.Dataset, which: str) -> list[Row]:

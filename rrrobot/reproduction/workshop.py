@@ -25,6 +25,8 @@ AMPLITUDE, FREQUENCY = 0.3, 8.0
 """Of the paper's gaits [rad], [rad/s]."""
 CYCLES = 38
 """Whole cycles in 30 s at 8 rad/s."""
+HUMP = 1.1
+"""Ratio of `hump` from which an amplitude has one."""
 _MODELS: dict[str, type] = {
     "full": FullModel,
     "pivoting": PivotingModel,
@@ -93,3 +95,15 @@ class Workshop:
         from rrrobot.figures.maps import filled
 
         return filled(self.modulation, self.modulation.offset)
+
+
+def hump(amplitude: xr.DataArray) -> float:
+    """Amplitude of opposite legs at offset pi/2 over that at pi/4."""
+    row = amplitude.sel(phase_difference=np.pi, method="nearest")
+    top, side = (row.sel(offset=o, method="nearest") for o in (np.pi / 2, np.pi / 4))
+    return float(top / side)
+
+
+def relative_rms(full: xr.DataArray, other: xr.DataArray) -> float:
+    """Root mean square of other less full over that of full, on one plane."""
+    return float(np.sqrt(((other - full) ** 2).mean() / (full**2).mean()))
