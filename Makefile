@@ -37,7 +37,7 @@ docs: .venv/.docs  ## the documentation site in out/site, from docs/ and the doc
 	@echo "wrote out/site/index.html"
 
 urdf: .venv/.base  ## write urdf/*.urdf anew from the parameters
-	$(BIN)/python -c 'from rrrobot.urdf import main; main()'
+	$(BIN)/python -c 'from rrrobot.robot.urdf import main; main()'
 
 clean:
 	rm -rf .venv .venv-peers out build dist .pytest_cache .mypy_cache .ruff_cache

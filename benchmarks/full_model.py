@@ -18,7 +18,7 @@ import numpy as np
 import pinocchio as pin
 
 import rrrobot as rr
-from rrrobot.simulate import versions
+from rrrobot.simulation.run import versions
 
 TARGETS = {"dynamics [us]": 60.0, "gait of 30 s [s]": 1.0, "import rrrobot [s]": 0.4}
 

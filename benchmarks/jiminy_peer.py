@@ -74,7 +74,7 @@ def robot_of(job: Job) -> tuple[Any, list[Any]]:
 
     robot = jiminy.Robot("rrrobot")
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "rrrobot.urdf"
+        path = Path(folder) / "rrrobot.robot.urdf"
         path.write_text(urdf(job))
         robot.initialize(str(path), has_freeflyer=True)
     if job.settings.get("contact") == "ground":

@@ -47,7 +47,7 @@ from benchmarks.common import (
 )
 from benchmarks.contact import contact_checks
 from rrrobot.momentum.batch import setting_of
-from rrrobot.steady_state import steady_state
+from rrrobot.simulation.steady import steady_state
 
 BODY = rr.BodyRateDamping(KAPPA, KAPPA, KAPPA)
 TEN_MS = 79

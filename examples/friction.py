@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 import rrrobot as rr
-from rrrobot.figures.style import line, new_axes, tidy
+from rrrobot.drawing import line, new_axes, tidy
 
 out = Path("out")
 out.mkdir(exist_ok=True)

@@ -1,19 +1,5 @@
 """rrrobot: legless locomotion of round robots. See README.md."""
 
-from rrrobot.closed_forms import (
-    composite_period,
-    pitch_response,
-    rolling_pendulum_period,
-    simple_pendulum_period,
-    static_pitch,
-    yaw_mass_matrix,
-)
-from rrrobot.compare import (
-    Comparison,
-    compare,
-    matching_yaw_amplitude,
-    yaw_drift,
-)
 from rrrobot.constraints import (
     ConstraintRows,
     KKTSolution,
@@ -29,9 +15,21 @@ from rrrobot.constraints import (
     rolling_null_space,
     rolling_projector,
 )
-from rrrobot.cycles import OptimalCycle, optimal_cycle
-from rrrobot.damping import BodyRateDamping, Damping, EulerRateDamping
-from rrrobot.decoupled import decoupled
+from rrrobot.contact.kinematics import contact_path, contact_velocity, sphere_contact_rate
+from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
+from rrrobot.drive.damping import BodyRateDamping, Damping, EulerRateDamping
+from rrrobot.drive.gaits import (
+    CallableGait,
+    FourierGait,
+    Gait,
+    LegMotion,
+    RampIn,
+    SinusoidalGait,
+    StillLegs,
+    gait,
+)
+from rrrobot.drive.moves import LegMoves, one_leg_gait, out_of_phase_gait
+from rrrobot.drive.torques import LegTorques, MotionState
 from rrrobot.errors import (
     ConstraintError,
     GaitError,
@@ -47,26 +45,10 @@ from rrrobot.errors import (
     SweepInterrupted,
     UrdfError,
 )
-from rrrobot.example_robots import example_robots
-from rrrobot.gaits import (
-    CallableGait,
-    FourierGait,
-    Gait,
-    LegMotion,
-    RampIn,
-    SinusoidalGait,
-    StillLegs,
-    gait,
-)
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
-from rrrobot.optimise import optimise
-from rrrobot.optimise_goals import FastestTravel, LeastEffort, TargetMotion, TightestTurn
-from rrrobot.optimise_pareto import ParetoFront, pareto_front
-from rrrobot.optimise_result import OptimisedGait, gait_from_dict
-from rrrobot.optimise_table import GaitLimits
-from rrrobot.oscillations import (
+from rrrobot.orbits.oscillations import (
     Mode,
     PeriodRow,
     equilibrium,
@@ -74,9 +56,17 @@ from rrrobot.oscillations import (
     modes,
     table_3,
 )
-from rrrobot.parameters import RRRobotParameters
-from rrrobot.reduction import Connection, rotation_connection
-from rrrobot.reduction_checks import (
+from rrrobot.paper.closed_forms import (
+    composite_period,
+    pitch_response,
+    rolling_pendulum_period,
+    simple_pendulum_period,
+    static_pitch,
+    yaw_mass_matrix,
+)
+from rrrobot.paper.run import reproduce
+from rrrobot.paper.table4 import Table4, table_4
+from rrrobot.reduction.checks import (
     Controllability,
     Reducibility,
     controllability,
@@ -84,23 +74,38 @@ from rrrobot.reduction_checks import (
     reducibility,
     weightless,
 )
-from rrrobot.reduction_heights import height_grid, zero_set
-from rrrobot.reduction_paths import LegMoves, one_leg_gait, out_of_phase_gait
-from rrrobot.reduction_yaw import net_yaw
-from rrrobot.reproduction.run import reproduce
-from rrrobot.robot import Robot
-from rrrobot.rolling import contact_path, contact_velocity, sphere_contact_rate
-from rrrobot.simulate import simulate
-from rrrobot.steady_state import SteadyState
-from rrrobot.surfaces import Ellipsoid, Sphere, Surface
-from rrrobot.sweep import sweep
-from rrrobot.sweep_models import DecoupledModels
-from rrrobot.table4 import Table4, table_4
-from rrrobot.torques import LegTorques, MotionState
-from rrrobot.trajectory import Trajectory
-from rrrobot.urdf import reduced_urdf, rrrobot_urdf, urdf_path
-from rrrobot.viewer import Viewer, record
-from rrrobot.yaw_planner import YawPlan, plan_yaw
+from rrrobot.reduction.connection import Connection, rotation_connection
+from rrrobot.reduction.cycles import OptimalCycle, optimal_cycle
+from rrrobot.reduction.heights import height_grid, zero_set
+from rrrobot.reduction.yaw import net_yaw
+from rrrobot.robot.examples import example_robots
+from rrrobot.robot.parameters import RRRobotParameters
+from rrrobot.robot.robot import Robot
+from rrrobot.robot.urdf import reduced_urdf, rrrobot_urdf, urdf_path
+from rrrobot.simulation.recombined import decoupled
+from rrrobot.simulation.run import simulate
+from rrrobot.simulation.steady import SteadyState
+from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.steering.yaw_planner import YawPlan, plan_yaw
+from rrrobot.studies.comparison import (
+    Comparison,
+    compare,
+    matching_yaw_amplitude,
+    yaw_drift,
+)
+from rrrobot.studies.optimisation.goals import (
+    FastestTravel,
+    LeastEffort,
+    TargetMotion,
+    TightestTurn,
+)
+from rrrobot.studies.optimisation.pareto import ParetoFront, pareto_front
+from rrrobot.studies.optimisation.result import OptimisedGait, gait_from_dict
+from rrrobot.studies.optimisation.run import optimise
+from rrrobot.studies.optimisation.table import GaitLimits
+from rrrobot.studies.sweeps.run import sweep
+from rrrobot.studies.sweeps.variants import DecoupledModels
+from rrrobot.view.viewer import Viewer, record
 
 __all__ = [
     "BodyRateDamping",

@@ -1,5 +1,5 @@
 """`python -m rrrobot` is the command `rrrobot`."""
 
-from rrrobot.cli import main
+from rrrobot.cli.main import main
 
 main()

@@ -28,9 +28,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, vector
+from rrrobot.contact.surfaces import SHELL_FRAME, Surface, ground_basis
 from rrrobot.errors import ConstraintError
 from rrrobot.rotations import skew
-from rrrobot.surfaces import SHELL_FRAME, Surface, ground_basis
 
 _FRAME = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rrrobot.trajectory import Trajectory
+    from rrrobot.simulation.trajectory import Trajectory
 
 
 class RRRobotError(Exception):

@@ -210,7 +210,7 @@ def screenshot_html(
     size: tuple[int, int] = (1280, 720),
     caption: bool = False,
 ) -> Path:
-    """Picture of a film that `rrrobot.viewer.record` wrote.
+    """Picture of a film that `rrrobot.view.viewer.record` wrote.
 
     Args:
         path_html: the film.

@@ -1,6 +1,7 @@
-"""The package reads in one direction: each file imports only files that come before it."""
+"""The package reads in one direction: a room imports only rooms that stand below it."""
 
 import ast
+import inspect
 from pathlib import Path
 
 import pytest
@@ -8,136 +9,38 @@ import pytest
 import rrrobot as rr
 
 PACKAGE = Path(rr.__file__).parent
-ORDER = [
-    "errors",
-    "checks",
-    "files",
-    "parameters",
-    "rotations",
-    "surfaces",
-    "urdf_reader",
-    "urdf",
-    "joints",
-    "example_robots",
-    "robot",
-    "gaits",
-    "torques",
-    "damping",
-    "integrate",
-    "rolling",
-    "constraints",
-    "models",
-    "models.base",
-    "models.full",
-    "models.reduced",
-    "models.pivoting",
-    "models.single_axis",
-    "momentum",
-    "momentum.compiled",
-    "momentum.trigonometry",
-    "momentum.coefficients",
-    "momentum.kernels",
-    "momentum.setting",
-    "momentum.vertical",
-    "momentum.summary",
-    "momentum.settle",
-    "momentum.forces",
-    "momentum.loads",
-    "momentum.extremes",
-    "momentum.batch",
-    "momentum.run",
-    "steady_state",
-    "trajectory",
-    "simulate",
-    "decoupled",
-    "closed_forms",
-    "oscillations",
-    "compare",
-    "table4",
-    "reduction",
-    "reduction_yaw",
-    "reduction_heights",
-    "reduction_checks",
-    "reduction_paths",
-    "reduction_loops",
-    "yaw_planner",
-    "cycles",
-    "sweep_store",
-    "sweep_models",
-    "sweep_plan",
-    "sweep_progress",
-    "sweep_job",
-    "sweep",
-    "optimise_table",
-    "optimise_goals",
-    "optimise_space",
-    "optimise_task",
-    "optimise_lanes",
-    "optimise_result",
-    "optimise_search",
-    "optimise",
-    "optimise_pareto",
-    "figures",
-    "figures.style",
-    "figures.trajectory",
-    "figures.comparison",
-    "figures.pareto",
-    "figures.reduction",
-    "figures.maps",
-    "figures.schematic",
-    "figures.unicycle",
-    "figures.paper",
-    "reproduction",
-    "reproduction.item",
-    "reproduction.workshop",
-    "reproduction.settled",
-    "reproduction.yaw_balance",
-    "reproduction.claims_travel",
-    "reproduction.claims_reach",
-    "reproduction.claims_axes",
-    "reproduction.claims_yaw",
-    "reproduction.claims_drift",
-    "reproduction.claims",
-    "reproduction.errata",
-    "reproduction.tables",
-    "reproduction.schematics",
-    "reproduction.paths",
-    "reproduction.planes",
-    "reproduction.report",
-    "reproduction.run",
-    "meshcat_commands",
-    "visuals",
-    "scene",
-    "film",
-    "_meshcat_server",
-    "viewer",
-    "cli_types",
-    "cli_options",
-    "cli_report",
-    "cli_build",
-    "cli_compile",
-    "cli_simulate",
-    "cli_compare",
-    "cli_optimise",
-    "cli_reduce",
-    "cli_reproduce",
-    "cli_sweep_grids",
-    "cli_sweep_report",
-    "cli_sweep",
-    "cli_view",
-    "cli",
-    "__main__",
-]
-# A convenience on the result object, loaded when it is called.
-ALLOWED_UP = {("trajectory", "figures.trajectory")}
+# Bottom first. A room is a folder, or a file of its own; a line of rooms is one layer.
+LAYERS = (
+    ("errors",),
+    ("checks", "files"),
+    ("rotations", "integrate", "drawing"),
+    ("drive",),
+    ("contact",),
+    ("robot",),
+    ("constraints",),
+    ("models",),
+    ("momentum",),
+    ("simulation",),
+    ("reduction", "orbits"),
+    ("studies",),
+    ("figures", "view", "steering"),
+    ("paper",),
+    ("cli",),
+    ("__main__",),
+)
+LEVEL = {room: level for level, rooms in enumerate(LAYERS) for room in rooms}
 
 
 def modules():
+    """Dotted names within the package, and files, of all modules but the top's."""
     for path in sorted(PACKAGE.rglob("*.py")):
         name = ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
         name = name.removesuffix(".__init__")
         if name != "__init__":
             yield name, path
+
+
+MODULES = dict(modules())
 
 
 def imported(path):
@@ -152,26 +55,50 @@ def imported(path):
     for node in ast.walk(tree):
         if id(node) in typing_only:
             continue
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("rrrobot"):
-            if node.module == "rrrobot":
-                yield from (alias.name for alias in node.names)
-            else:
-                yield node.module.removeprefix("rrrobot.")
+        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] == "rrrobot":
+            parent = node.module.partition(".")[2]
+            for alias in node.names:
+                inner = f"{parent}.{alias.name}".lstrip(".")
+                yield inner if inner in MODULES else parent
         elif isinstance(node, ast.Import):
             for alias in node.names:
-                if alias.name.startswith("rrrobot."):
-                    yield alias.name.removeprefix("rrrobot.")
+                if alias.name.split(".")[0] == "rrrobot":
+                    yield alias.name.partition(".")[2]
 
 
-def test_every_file_has_its_place():
-    assert sorted(ORDER) == sorted(name for name, _ in modules())
+def test_every_room_has_its_layer():
+    assert {name.split(".")[0] for name in MODULES} == set(LEVEL)
 
 
-@pytest.mark.parametrize("name, path", list(modules()), ids=lambda v: str(v).split("/")[-1])
-def test_imports_point_down(name, path):
-    for target in imported(path):
-        if (name, target) not in ALLOWED_UP:
-            assert ORDER.index(target) < ORDER.index(name), f"{name} imports {target}"
+@pytest.mark.parametrize("name", MODULES)
+def test_imports_point_down(name):
+    room = name.split(".")[0]
+    for target in imported(MODULES[name]):
+        assert target, f"{name} imports the whole package"
+        other = target.split(".")[0]
+        assert other == room or LEVEL[other] < LEVEL[room], f"{name} imports {target}"
+
+
+def test_no_circle_within_a_room():
+    below = {name: set(imported(path)) & set(MODULES) - {name} for name, path in MODULES.items()}
+    done = set()
+    while below:
+        free = [name for name, needs in below.items() if needs <= done]
+        assert free, f"these import each other: {sorted(below)}"
+        done.update(free)
+        for name in free:
+            del below[name]
+
+
+def test_no_module_has_the_name_of_a_public_function():
+    # Commands have the names of what they run; nobody imports those modules.
+    names = {name.split(".")[-1] for name in MODULES if not name.startswith("cli.")}
+    assert not [n for n in names & set(rr.__all__) if inspect.isfunction(getattr(rr, n))]
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_no_file_is_long(name):
+    assert len(MODULES[name].read_text().splitlines()) <= 350
 
 
 def test_public_names_are_declared_and_documented():

@@ -11,11 +11,11 @@ import pytest
 from scipy.integrate import quad
 
 import rrrobot as rr
-from rrrobot.reproduction import claims_axes, claims_travel
-from rrrobot.reproduction.claims import CLAIMS
-from rrrobot.reproduction.claims_travel import rolled, travel_per_cycle
-from rrrobot.reproduction.item import AGREES, DIFFERS, OPEN
-from rrrobot.reproduction.settled import (
+from rrrobot.paper import claims_axes, claims_travel
+from rrrobot.paper.claims import CLAIMS
+from rrrobot.paper.claims_travel import rolled, travel_per_cycle
+from rrrobot.paper.item import AGREES, DIFFERS, OPEN
+from rrrobot.paper.settled import (
     both_legs,
     cycle_points,
     distortion,
@@ -24,8 +24,8 @@ from rrrobot.reproduction.settled import (
     settled,
     swing,
 )
-from rrrobot.reproduction.workshop import Workshop
-from rrrobot.reproduction.yaw_balance import attitude, yaw_balance
+from rrrobot.paper.workshop import Workshop
+from rrrobot.paper.yaw_balance import attitude, yaw_balance
 
 LATERAL, CIRCULAR, TURN = 0.009656, 0.0066765, 0.0208546
 """v [m/s] of the two gaits and yaw rate [rad/s] of the circular one, by Kane's method."""

@@ -17,9 +17,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 import rrrobot as rr
-from rrrobot import cli_simulate
-from rrrobot.cli import cli
-from rrrobot.cli_types import parse_number
+from rrrobot.cli import simulate as cli_simulate
+from rrrobot.cli.main import cli
+from rrrobot.cli.types import parse_number
 
 pytestmark = pytest.mark.usefixtures("compiled_engine")
 
@@ -40,7 +40,10 @@ def good(*args: str) -> Result:
 
 def command(*args: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "rrrobot.cli", *args], capture_output=True, text=True, timeout=60
+        [sys.executable, "-m", "rrrobot.cli.main", *args],
+        capture_output=True,
+        text=True,
+        timeout=60,
     )
 
 
@@ -431,7 +434,7 @@ def test_view_writes_a_film_of_a_saved_run(tmp_path: Path) -> None:
 
 
 def test_view_plays(monkeypatch: pytest.MonkeyPatch) -> None:
-    from rrrobot import viewer
+    from rrrobot.view import viewer
 
     calls: list[object] = []
 
@@ -451,7 +454,7 @@ def test_view_plays(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_view_serves_until_ctrl_c() -> None:
-    args = [sys.executable, "-m", "rrrobot.cli", "view", "--duration", "0.2", "--no-browser"]
+    args = [sys.executable, "-m", "rrrobot.cli.main", "view", "--duration", "0.2", "--no-browser"]
     with subprocess.Popen(
         args, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
@@ -480,7 +483,7 @@ def test_robots_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     def missing() -> None:
         raise rr.MissingExtraError("example robots need the extra 'robots'.")
 
-    monkeypatch.setattr("rrrobot.cli_view.example_robots", missing)
+    monkeypatch.setattr("rrrobot.cli.view.example_robots", missing)
     result = run("robots")
     assert result.exit_code == 0
     assert result.stdout.splitlines() == ["rrrobot  built in: Table 2 of the paper"]
@@ -523,7 +526,7 @@ def test_command_fails_in_one_line() -> None:
 
 
 def test_reader_that_goes_away() -> None:
-    args = [sys.executable, "-m", "rrrobot.cli", "simulate", *SHORT]
+    args = [sys.executable, "-m", "rrrobot.cli.main", "simulate", *SHORT]
     with subprocess.Popen(args, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout is not None
         assert process.stderr is not None

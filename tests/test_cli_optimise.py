@@ -9,9 +9,9 @@ import pytest
 from click.testing import CliRunner, Result
 
 import rrrobot as rr
-from rrrobot.cli import cli
-from rrrobot.cli_optimise import optimise_command
-from rrrobot.optimise_result import gait_from_dict
+from rrrobot.cli.main import cli
+from rrrobot.cli.optimise import optimise_command
+from rrrobot.studies.optimisation.result import gait_from_dict
 
 pytestmark = pytest.mark.usefixtures("compiled_engine")
 

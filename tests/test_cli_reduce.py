@@ -5,7 +5,7 @@ import json
 import pytest
 from click.testing import CliRunner
 
-from rrrobot.cli_reduce import reduce_command
+from rrrobot.cli.reduce import reduce_command
 
 
 def run(*arguments):

@@ -17,12 +17,12 @@ import xarray as xr
 from click.testing import CliRunner, Result
 
 import rrrobot as rr
-from rrrobot.cli import cli
-from rrrobot.cli_sweep import sweep_command
-from rrrobot.cli_sweep_grids import parse_grid
-from rrrobot.cli_sweep_report import draw_paper
-from rrrobot.sweep import sweep
-from rrrobot.sweep_models import DecoupledModels
+from rrrobot.cli.main import cli
+from rrrobot.cli.sweep import sweep_command
+from rrrobot.cli.sweep_grids import parse_grid
+from rrrobot.cli.sweep_report import draw_paper
+from rrrobot.studies.sweeps.run import sweep
+from rrrobot.studies.sweeps.variants import DecoupledModels
 
 pytestmark = pytest.mark.usefixtures("compiled_engine")
 
@@ -211,7 +211,7 @@ def test_an_empty_cache_is_filled_once(tmp_path: Path) -> None:
 
     def sweep_once(*more: str) -> subprocess.CompletedProcess[str]:
         return subprocess.run(
-            [sys.executable, "-c", "from rrrobot.cli import cli; cli()", *command, *more],
+            [sys.executable, "-c", "from rrrobot.cli.main import cli; cli()", *command, *more],
             env=os.environ | {"NUMBA_CACHE_DIR": str(tmp_path)},
             capture_output=True,
             text=True,
@@ -356,7 +356,7 @@ def test_ctrl_c_is_one_line_and_130(monkeypatch: pytest.MonkeyPatch, tmp_path: P
     def stop(*_: object, **__: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(import_module("rrrobot.sweep_job").Job, "_collect", stop)
+    monkeypatch.setattr(import_module("rrrobot.studies.sweeps.job").Job, "_collect", stop)
     out = tmp_path / "sweep.nc"
     result = run("--offset", "0:1:100", "--out", str(out), *SHORT)
     assert result.exit_code == 130

@@ -7,10 +7,10 @@ import pytest
 from click.testing import CliRunner
 
 import rrrobot as rr
-from rrrobot.cli import cli
-from rrrobot.compare import scaled
+from rrrobot.cli.main import cli
 from rrrobot.figures.comparison import contact_paths, cycle_means, rolling_shell, single_axis
-from rrrobot.table4 import PAPER
+from rrrobot.paper.table4 import PAPER
+from rrrobot.studies.comparison import scaled
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,7 @@ import pinocchio as pin
 import pytest
 
 import rrrobot as rr
-from rrrobot.surfaces import SHELL_FRAME
+from rrrobot.contact.surfaces import SHELL_FRAME
 from tests.random_robot import random_robot, random_state
 
 SHELLS = {

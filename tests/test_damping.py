@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rrrobot as rr
-from rrrobot.damping import as_damping
+from rrrobot.drive.damping import as_damping
 from rrrobot.rotations import body_rates_matrix
 from tests.strategies import examples, vectors
 

@@ -10,8 +10,8 @@ import pytest
 from scipy.interpolate import make_interp_spline
 
 import rrrobot as rr
-from rrrobot.decoupled import _recombine
 from rrrobot.rotations import body_rates_matrix, body_rates_matrix_rate
+from rrrobot.simulation.recombined import _recombine
 from tests.twins import UNEQUAL, Array, library_robot
 
 PERIOD = 2 * np.pi / 8.0

@@ -12,8 +12,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 import rrrobot as rr
-from rrrobot.figures.style import COLOURS, LINES, line
-from rrrobot.figures.trajectory import KINDS, cycle_mean, plot
+from rrrobot.drawing import COLOURS, LINES, line
+from rrrobot.simulation.plots import KINDS, cycle_mean, plot
 
 
 @pytest.fixture(scope="module")

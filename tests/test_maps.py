@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 
 import rrrobot as rr
 from rrrobot.figures import maps
-from rrrobot.sweep import sweep
+from rrrobot.studies.sweeps.run import sweep
 
 ROBOT = rr.Robot.from_parameters()
 GRID = {"offset": np.linspace(0, np.pi, 13), "phase_difference": np.linspace(0, 2 * np.pi, 13)}

@@ -10,20 +10,25 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
+from rrrobot.drive.gaits import FourierGait, SinusoidalGait
 from rrrobot.figures.pareto import pareto
-from rrrobot.gaits import FourierGait, SinusoidalGait
 from rrrobot.models.base import Model
 from rrrobot.momentum.batch import Gaits, setting_of, steady_states
 from rrrobot.momentum.coefficients import coefficients
 from rrrobot.momentum.forces import bodies
 from rrrobot.momentum.loads import TORQUE, loads, n_signals
-from rrrobot.optimise import optimise
-from rrrobot.optimise_goals import FastestTravel, LeastEffort, TargetMotion, TightestTurn
-from rrrobot.optimise_lanes import engine_of
-from rrrobot.optimise_pareto import ParetoFront, pareto_front
-from rrrobot.optimise_result import OptimisedGait, confirm, gait_from_dict
-from rrrobot.optimise_space import Population, Space
-from rrrobot.optimise_table import COLUMNS, GaitLimits, Table
+from rrrobot.studies.optimisation.goals import (
+    FastestTravel,
+    LeastEffort,
+    TargetMotion,
+    TightestTurn,
+)
+from rrrobot.studies.optimisation.lanes import engine_of
+from rrrobot.studies.optimisation.pareto import ParetoFront, pareto_front
+from rrrobot.studies.optimisation.result import OptimisedGait, confirm, gait_from_dict
+from rrrobot.studies.optimisation.run import optimise
+from rrrobot.studies.optimisation.space import Population, Space
+from rrrobot.studies.optimisation.table import COLUMNS, GaitLimits, Table
 from tests.random_robot import random_robot
 
 SETTLE = 15.0

@@ -5,18 +5,18 @@ import pytest
 import sympy as sp
 
 import rrrobot as rr
-from rrrobot.cycles import optimal_cycle
+from rrrobot.drive.moves import LegMoves, Straight, ease, one_leg_gait, out_of_phase_gait
 from rrrobot.figures.reduction import fig_13, height_map
-from rrrobot.reduction import Connection, rotation_connection
-from rrrobot.reduction_checks import (
+from rrrobot.reduction.checks import (
     controllability,
     path_controllability,
     reducibility,
     weightless,
 )
-from rrrobot.reduction_heights import height_grid, zero_set
-from rrrobot.reduction_paths import LegMoves, Straight, ease, one_leg_gait, out_of_phase_gait
-from rrrobot.reduction_yaw import net_yaw, yaw_rates
+from rrrobot.reduction.connection import Connection, rotation_connection
+from rrrobot.reduction.cycles import optimal_cycle
+from rrrobot.reduction.heights import height_grid, zero_set
+from rrrobot.reduction.yaw import net_yaw, yaw_rates
 from tests.random_robot import random_robot
 
 UP = np.pi / 2

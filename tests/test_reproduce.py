@@ -11,14 +11,14 @@ import pytest
 from click.testing import CliRunner
 
 import rrrobot as rr
-from rrrobot.cli import cli
-from rrrobot.figures import paper
-from rrrobot.figures.schematic import mass_points, schematic
-from rrrobot.figures.unicycle import unicycle_path
-from rrrobot.reproduction import run
-from rrrobot.reproduction.item import AGREES, DIFFERS, ERRATUM, OPEN, Item, Result, feature, number
-from rrrobot.reproduction.run import ITEMS, Reproduction, reproduce
-from rrrobot.reproduction.workshop import Workshop
+from rrrobot.cli.main import cli
+from rrrobot.paper import figures as paper
+from rrrobot.paper import run
+from rrrobot.paper.item import AGREES, DIFFERS, ERRATUM, OPEN, Item, Result, feature, number
+from rrrobot.paper.run import ITEMS, Reproduction, reproduce
+from rrrobot.paper.schematic import mass_points, schematic
+from rrrobot.paper.unicycle import unicycle_path
+from rrrobot.paper.workshop import Workshop
 
 pytestmark = pytest.mark.usefixtures("compiled_engine")
 

@@ -12,9 +12,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rrrobot as rr
-from rrrobot import joints
-from rrrobot.joints import JointIndex, build_model
-from rrrobot.surfaces import SHELL_FRAME
+from rrrobot.contact.surfaces import SHELL_FRAME
+from rrrobot.robot import joints
+from rrrobot.robot.joints import JointIndex, build_model
 from tests.random_robot import random_robot, random_urdf
 from tests.strategies import directions, examples
 

@@ -15,7 +15,7 @@ import click
 import pytest
 
 import rrrobot
-from rrrobot.cli import cli
+from rrrobot.cli.main import cli
 from tests.browser import Browser, find_browser
 
 ROOT = Path(__file__).parent.parent

@@ -9,8 +9,8 @@ from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
 import rrrobot as rr
+from rrrobot.contact.surfaces import ground_basis, surface_from_dict
 from rrrobot.rotations import rotation_from_quaternion, skew
-from rrrobot.surfaces import ground_basis, surface_from_dict
 from tests.strategies import directions, examples, vectors
 
 radii = st.floats(0.05, 1.0)

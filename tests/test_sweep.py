@@ -17,14 +17,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import rrrobot as rr
-from rrrobot import sweep_models
 from rrrobot.errors import SweepInterrupted
-from rrrobot.sweep import sweep
-from rrrobot.sweep_models import DecoupledModels, clearance, parameters_of, remade
-from rrrobot.sweep_store import LOADS, STATUS, VARIABLES
+from rrrobot.studies.sweeps import variants as sweep_models
+from rrrobot.studies.sweeps.run import sweep
+from rrrobot.studies.sweeps.store import LOADS, STATUS, VARIABLES
+from rrrobot.studies.sweeps.variants import DecoupledModels, clearance, parameters_of, remade
 from tests.random_robot import random_robot
 
-sweep_module = import_module("rrrobot.sweep")
+sweep_module = import_module("rrrobot.studies.sweeps.run")
 """`rr.sweep` is the function."""
 ROBOT = rr.Robot.from_parameters()
 FULL = rr.FullModel(ROBOT)

@@ -19,13 +19,14 @@ import pytest
 import xarray as xr
 
 import rrrobot as rr
-from rrrobot import sweep_models, sweep_store
 from rrrobot.errors import SweepInterrupted
-from rrrobot.sweep import sweep
-from rrrobot.sweep_models import DecoupledModels
-from rrrobot.sweep_store import NOT_COMPUTED, curvature, pending
+from rrrobot.studies.sweeps import store as sweep_store
+from rrrobot.studies.sweeps import variants as sweep_models
+from rrrobot.studies.sweeps.run import sweep
+from rrrobot.studies.sweeps.store import NOT_COMPUTED, curvature, pending
+from rrrobot.studies.sweeps.variants import DecoupledModels
 
-sweep_module = import_module("rrrobot.sweep")
+sweep_module = import_module("rrrobot.studies.sweeps.run")
 """`rr.sweep` is the function."""
 ROBOT = rr.Robot.from_parameters()
 FULL = rr.FullModel(ROBOT)
@@ -38,7 +39,7 @@ SIZE = 77
 
 LONG = """
 import numpy as np, rrrobot as rr, sys
-from rrrobot.sweep import sweep
+from rrrobot.studies.sweeps.run import sweep
 model = rr.FullModel(rr.Robot.from_parameters())
 print("ready", flush=True)
 sweep(model, offset=np.linspace(0.2, 3.0, 60), phase_difference=np.linspace(0, 6, 60), cycles=12,

@@ -14,7 +14,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rrrobot as rr
-from rrrobot.trajectory import FORMAT
+from rrrobot.simulation.trajectory import FORMAT
 from tests import synthetic
 from tests.strategies import examples
 

@@ -11,8 +11,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rrrobot as rr
-from rrrobot.urdf import CHAINS, main, rrrobot_files
-from rrrobot.urdf_reader import parse_urdf, urdf_text
+from rrrobot.robot.reader import parse_urdf, urdf_text
+from rrrobot.robot.urdf import CHAINS, main, rrrobot_files
 from tests.random_robot import random_urdf
 from tests.strategies import examples
 

@@ -15,7 +15,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import rrrobot as rr
-from rrrobot import urdf_reader
+from rrrobot.robot import reader as urdf_reader
 from tests.strategies import examples
 
 SHELL = rr.Sphere(0.12)

@@ -21,12 +21,12 @@ import pinocchio as pin
 import pytest
 
 import rrrobot as rr
-from rrrobot._meshcat_server import _key, _put, pack
-from rrrobot.film import make_film
-from rrrobot.scene import Scene
-from rrrobot.surfaces import ground_basis
-from rrrobot.viewer import Viewer, record
-from rrrobot.visuals import robot_visuals
+from rrrobot.contact.surfaces import ground_basis
+from rrrobot.view.film import make_film
+from rrrobot.view.scene import Scene
+from rrrobot.view.server import _key, _put, pack
+from rrrobot.view.shapes import robot_visuals
+from rrrobot.view.viewer import Viewer, record
 from tests.browser import Browser, find_browser
 
 SIZE = (320, 180)
@@ -577,8 +577,8 @@ def test_only_the_newest_commands_wait_for_a_slow_tab():
 
 SCRIPT = """
 import rrrobot as rr, time
-from rrrobot.surfaces import ground_basis
-from rrrobot.viewer import Viewer
+from rrrobot.contact.surfaces import ground_basis
+from rrrobot.view.viewer import Viewer
 viewer = Viewer(rr.Robot.from_parameters())
 print(viewer.url, flush=True)
 {end}
@@ -629,7 +629,7 @@ def test_viewer_refuses(trajectory):
 
 def test_import_is_light():
     code = (
-        "import sys, rrrobot.viewer;"
+        "import sys, rrrobot.view.viewer;"
         "print(*(m for m in ('meshcat', 'tornado', 'umsgpack', 'asyncio') if m in sys.modules))"
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

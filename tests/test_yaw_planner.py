@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
-from rrrobot.reduction_paths import LegMoves, Loops, Straight
-from rrrobot.reduction_yaw import net_yaw
-from rrrobot.yaw_planner import plan_yaw
+from rrrobot.drive.moves import LegMoves, Loops, Straight
+from rrrobot.reduction.yaw import net_yaw
+from rrrobot.steering.yaw_planner import plan_yaw
 from tests.random_robot import random_robot
 
 LIMITS = (0.2, 2.9)

@@ -10,7 +10,7 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
-from rrrobot.cli import cli
+from rrrobot.cli.main import cli
 
 
 def helps(

@@ -145,7 +145,7 @@ def _python(page: str, block: Block, names: dict[str, Any]) -> str:
 def _console(page: str, block: Block, names: dict[str, Any]) -> str:
     from click.testing import CliRunner
 
-    from rrrobot.cli import cli
+    from rrrobot.cli.main import cli
 
     said = []
     for command in re.sub(r"\\\n\s*", "", block.code).splitlines():

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rrrobot.checks import Array, vector
-from rrrobot.compare import Comparison
+from rrrobot.contact.surfaces import Sphere
+from rrrobot.drawing import BLACK, FONT, GREY, PALE, legend_above, line, new_figure, tidy
 from rrrobot.errors import ModelError
-from rrrobot.figures.style import BLACK, FONT, GREY, PALE, legend_above, line, new_figure, tidy
-from rrrobot.figures.trajectory import cycle_mean
 from rrrobot.rotations import rotation_from_quaternion
-from rrrobot.surfaces import Sphere
-from rrrobot.trajectory import Trajectory
+from rrrobot.simulation.plots import cycle_mean
+from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.studies.comparison import Comparison
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +36,7 @@ def contact_paths(
     """Paths of the contact point, one panel a model, with times marked: Figs 6 and 7.
 
     Args:
-        comparison: of `rrrobot.compare`.
+        comparison: of `rrrobot.studies.comparison`.
         models: which.
         marks: times at which the place is marked [s].
     """
@@ -101,7 +101,7 @@ def single_axis(
     """Body angles and contact paths of the full and the single-axis models: Figs 15 and 16.
 
     Args:
-        comparison: of `rrrobot.compare`.
+        comparison: of `rrrobot.studies.comparison`.
         models: which, the first on top.
         window: times of the angle panels [s]; the whole run if None.
     """

@@ -1,6 +1,6 @@
 """Maps of sweeps: the kinds of Figs 11, 12, 14 and 18-22 of the paper, for any robot.
 
-Each function takes results of `rrrobot.sweep` with two dimensions, such as offset and phase
+Each function takes results of `rr.sweep` with two dimensions, such as offset and phase
 difference; take a slice of a larger sweep first, with `ds.sel(amplitude=0.3)`. Colours grow darker
 with the value and contours are labelled, so that a map reads the same in grey; where a value is
 missing it is hatched.
@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.compare import matching_yaw_amplitude
+from rrrobot.drawing import BLACK, FONT, GREY, line, new_axes, new_figure, tidy
+from rrrobot.drive.gaits import SinusoidalGait
 from rrrobot.errors import ModelError, ParameterError
-from rrrobot.figures.style import BLACK, FONT, GREY, line, new_axes, new_figure, tidy
-from rrrobot.gaits import SinusoidalGait
-from rrrobot.robot import Robot
+from rrrobot.robot.robot import Robot
+from rrrobot.studies.comparison import matching_yaw_amplitude
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.figures.style import GREY, PALE, legend_above, line, new_figure, tidy
-from rrrobot.optimise_pareto import ParetoFront
+from rrrobot.drawing import GREY, PALE, legend_above, line, new_figure, tidy
+from rrrobot.studies.optimisation.pareto import ParetoFront
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

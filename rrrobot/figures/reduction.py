@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rrrobot.figures.style import BLACK, FONT, LINES, legend_above, new_axes, tidy
-from rrrobot.gaits import Gait
+from rrrobot.drawing import BLACK, FONT, LINES, legend_above, new_axes, tidy
+from rrrobot.drive.gaits import Gait
+from rrrobot.drive.moves import out_of_phase_gait
 from rrrobot.models.single_axis import YawModel
-from rrrobot.reduction import Connection, as_connection
-from rrrobot.reduction_heights import FULL_TURN, height_grid, pair_limits, zero_set
-from rrrobot.reduction_paths import out_of_phase_gait
-from rrrobot.reduction_yaw import leg_span, net_yaw
-from rrrobot.robot import Robot
+from rrrobot.reduction.connection import Connection, as_connection
+from rrrobot.reduction.heights import FULL_TURN, height_grid, pair_limits, zero_set
+from rrrobot.reduction.yaw import leg_span, net_yaw
+from rrrobot.robot.robot import Robot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -27,12 +27,12 @@ from rrrobot.constraints import (
     kkt_build,
     kkt_solve,
 )
-from rrrobot.damping import Damping, DampingLike, as_damping
+from rrrobot.drive.damping import Damping, DampingLike, as_damping
+from rrrobot.drive.gaits import LegMotion
 from rrrobot.errors import ConstraintError, GaitError, ModelError
-from rrrobot.gaits import LegMotion
 from rrrobot.integrate import MAX_STEP
-from rrrobot.joints import JointIndex
-from rrrobot.robot import Robot
+from rrrobot.robot.joints import JointIndex
+from rrrobot.robot.robot import Robot
 
 VERTICAL_PITCH = np.deg2rad(89.5)
 """Pitch at which a model stops that is singular at 90 degrees [rad]."""

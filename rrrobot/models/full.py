@@ -10,11 +10,12 @@ from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, vector
 from rrrobot.constraints import RollingContact
-from rrrobot.damping import DampingLike
+from rrrobot.contact.kinematics import contact_velocity
+from rrrobot.contact.surfaces import Sphere
+from rrrobot.drive.damping import DampingLike
 from rrrobot.errors import ModelError
 from rrrobot.models.base import Model, Placement
-from rrrobot.robot import Robot
-from rrrobot.rolling import contact_velocity
+from rrrobot.robot.robot import Robot
 from rrrobot.rotations import (
     body_rates_matrix,
     body_rates_matrix_rate,
@@ -26,7 +27,6 @@ from rrrobot.rotations import (
     rotation_from_quaternion,
     skew,
 )
-from rrrobot.surfaces import Sphere
 
 _ANGULAR = np.eye(6)[:, 3:]
 

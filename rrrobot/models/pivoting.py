@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.damping import DampingLike
+from rrrobot.contact.kinematics import sphere_contact_rate
+from rrrobot.drive.damping import DampingLike
 from rrrobot.models.base import Model, Placement
 from rrrobot.models.reduced import pivot_radius, reduced_model
-from rrrobot.robot import Robot
-from rrrobot.rolling import sphere_contact_rate
+from rrrobot.robot.robot import Robot
 from rrrobot.rotations import (
     body_rates_matrix,
     quaternion_from_euler,

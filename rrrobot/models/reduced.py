@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from rrrobot.contact.surfaces import SHELL_FRAME, Sphere
 from rrrobot.errors import ModelError
-from rrrobot.joints import build_model
-from rrrobot.robot import Robot
-from rrrobot.surfaces import SHELL_FRAME, Sphere
-from rrrobot.urdf import CHAINS, ReducedKind, reduced_urdf
+from rrrobot.robot.joints import build_model
+from rrrobot.robot.robot import Robot
+from rrrobot.robot.urdf import CHAINS, ReducedKind, reduced_urdf
 
 
 def reduced_model(robot: Robot, kind: ReducedKind, *, gravity: bool = True) -> pin.Model:

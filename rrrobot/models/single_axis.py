@@ -8,13 +8,13 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.constraints import RollingContact
-from rrrobot.damping import DampingLike
+from rrrobot.contact.surfaces import SHELL_FRAME
+from rrrobot.drive.damping import DampingLike
 from rrrobot.models.base import Model, Placement
 from rrrobot.models.reduced import pivot_radius, reduced_model
-from rrrobot.robot import Robot
+from rrrobot.robot.robot import Robot
+from rrrobot.robot.urdf import ReducedKind
 from rrrobot.rotations import quaternion_from_euler, rotation_from_euler
-from rrrobot.surfaces import SHELL_FRAME
-from rrrobot.urdf import ReducedKind
 
 
 class SingleAxisModel(Model):

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from rrrobot.checks import Array
 from rrrobot.momentum.compiled import borrowed, inner, lanes
 from rrrobot.momentum.trigonometry import sine_cosine
-from rrrobot.robot import Robot
+from rrrobot.robot.robot import Robot
 
 LANES = 16
 """Leg states, and gaits, that are worked on side by side, so that the compiler uses vectors."""

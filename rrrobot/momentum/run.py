@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from rrrobot.checks import Array
+from rrrobot.drive.gaits import Gait
 from rrrobot.errors import GaitError
-from rrrobot.gaits import Gait
 from rrrobot.integrate import Integration, Observer, Progress
 from rrrobot.models.base import Model
 from rrrobot.momentum.batch import ROWS_PER_STEP, Setting, march, setting_of, stage_times

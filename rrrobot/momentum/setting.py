@@ -7,14 +7,14 @@ from typing import NamedTuple
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.damping import BodyRateDamping, Damping, EulerRateDamping
+from rrrobot.contact.surfaces import Sphere
+from rrrobot.drive.damping import BodyRateDamping, Damping, EulerRateDamping
 from rrrobot.errors import ModelError
 from rrrobot.models.base import VERTICAL_PITCH, Model
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.momentum.coefficients import Tree, tree_of
 from rrrobot.momentum.kernels import DECOUPLED
-from rrrobot.robot import Robot
-from rrrobot.surfaces import Sphere
+from rrrobot.robot.robot import Robot
 
 VERTICAL = float(np.sin(VERTICAL_PITCH))
 """Sine of the pitch at which a lane stops whose model is singular at the vertical."""

@@ -1,7 +1,7 @@
 """What is read off lanes: angles, motion, lift, and the figures of a steady state, in Numba.
 
 Over the counted cycles of period T, with m_i the mean of a quantity over cycle i, the definitions
-are those of `rrrobot.steady_state`.
+are those of `rrrobot.simulation.steady`.
 """
 
 from __future__ import annotations

@@ -1,0 +1,286 @@
+"""`rrrobot optimise`: the best gait for a goal, or the Pareto front of speed against torque."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from rrrobot.cli.build import MODELS, Options, build_damping, build_robot
+from rrrobot.cli.compile import tell_of_compiling
+from rrrobot.cli.options import damping_options, option_group, robot_options
+from rrrobot.cli.report import aligned, to_json
+from rrrobot.cli.types import NUMBER, PER_LEG
+from rrrobot.errors import OutputError
+from rrrobot.files import check_writable, write_whole
+from rrrobot.models.base import Model
+from rrrobot.studies.optimisation.goals import COSTS, GOALS, RATES, Goal, as_goal
+from rrrobot.studies.optimisation.pareto import ParetoFront, pareto_front
+from rrrobot.studies.optimisation.result import OptimisedGait
+from rrrobot.studies.optimisation.run import optimise
+from rrrobot.studies.optimisation.table import GaitLimits
+from rrrobot.studies.optimisation.task import Progress
+
+_PLOTS = (".png", ".pdf", ".svg")
+
+goal_options = option_group(
+    click.option(
+        "--goal",
+        type=click.Choice(tuple(GOALS)),
+        help="fastest travel; tightest turn of at least --min-speed; efficient: least --cost of a "
+        "metre at least as fast as that; target: --speed with --curvature or --yaw-rate, at the "
+        "least torque. fastest unless given.",
+    ),
+    click.option("--speed", type=NUMBER, help="Of the target [m/s]."),
+    click.option("--curvature", type=NUMBER, help="Of the target [1/m]; positive to the left."),
+    click.option("--yaw-rate", type=NUMBER, help="Of the target [rad/s]."),
+    click.option("--min-speed", type=NUMBER, help="[m/s]; 0.001 unless given."),
+    click.option(
+        "--cost",
+        type=click.Choice(tuple(dict.fromkeys((*COSTS, *RATES)))),
+        help="With efficient: effort (integral of squared torque), torque (rms, over the speed) "
+        "or work (integral of |power|), per metre; effort unless given. With --pareto: torque "
+        "(rms) or power; torque unless given.",
+    ),
+    click.option(
+        "--pareto",
+        metavar="FILE",
+        help="Instead of one goal: least torque for every speed, as a plot, .png, .pdf or .svg.",
+    ),
+    click.option("--points", type=int, help="Of the Pareto front; 16 unless given."),
+)
+
+bound_options = option_group(
+    click.option("--offset", type=PER_LEG, help="Centre of the swing [rad]; 0,pi unless given."),
+    click.option("--amplitude", type=PER_LEG, help="Of the swing [rad]; 0,0.5 unless given."),
+    click.option("--frequency", type=PER_LEG, help="Angular [rad/s]; 2,14 unless given."),
+    click.option(
+        "--phase", type=PER_LEG, help="Of other legs from leg 1 [rad]; 0,2*pi unless given."
+    ),
+    click.option("--harmonics", type=int, default=1, show_default=True, help="Of the gait."),
+    click.option("--tied", is_flag=True, help="One offset and one amplitude for all legs."),
+)
+
+limit_options = option_group(
+    click.option("--friction", type=NUMBER, help="Coefficient that the ground offers."),
+    click.option("--max-curvature", type=NUMBER, help="Of the path [1/m]."),
+    click.option("--max-torque", type=NUMBER, help="Of each motor [N m]."),
+    click.option("--max-leg-rate", type=NUMBER, help="[rad/s]"),
+    click.option("--max-leg-acceleration", type=NUMBER, help="[rad/s^2]"),
+    click.option("--max-pitch", type=NUMBER, help="[rad]; 1.2 unless given."),
+    click.option("--min-normal-force", type=NUMBER, help="Over the weight; 0.05 unless given."),
+    click.option("--min-clearance", type=NUMBER, help="Of the legs' masses [m]; 0 unless given."),
+    click.option(
+        "--max-variation", type=NUMBER, help="Of the step between cycles; 0.01 unless given."
+    ),
+)
+
+
+@click.command("optimise")
+@goal_options
+@bound_options
+@limit_options
+@click.option("--model", type=click.Choice(("full", "pivoting")), default="full", show_default=True)
+@robot_options
+@damping_options
+@click.option("--settle-time", type=NUMBER, default="25", show_default=True, help="[s]")
+@click.option(
+    "--budget",
+    type=int,
+    help="Gaits to simulate; 20000 a harmonic, 30000 for a front, unless given.",
+)
+@click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same bits.")
+@click.option("--json", "as_json", is_flag=True, help="As JSON, SI units.")
+@click.option("--out", metavar="FILE", help="Also write that JSON here: .json.")
+@click.option("--quiet", is_flag=True, help="No progress bar.")
+def optimise_command(**options: Any) -> None:
+    """Find the best gait for a goal, and confirm it by a simulation with forces.
+
+    A bound is one number, which is kept, or LOW,HIGH for all legs, or LOW,HIGH for each leg in
+    turn, with commas between; a number may be written pi/2.
+
+    If no gait is within the limits, or a target is out of reach, the nearest is printed and the
+    exit code is 1. The "gait" of the JSON goes back in by rrrobot.gait_from_dict.
+
+    \b
+    Examples:
+      rrrobot optimise --goal fastest --max-curvature 0.01
+      rrrobot optimise --goal target --speed 0.005 --curvature 2 --out gait.json
+      rrrobot optimise --pareto front.png
+    """
+    files = _files(options)
+    front = options["pareto"] is not None
+    goal = None if front else _goal(options)
+    if front:
+        _refuse(options, ("goal", "speed", "curvature", "yaw_rate", "min_speed"), "--pareto")
+    elif options["points"] is not None:
+        raise click.UsageError("--points goes with --pareto only.")
+    model = _model(options)
+    settings = _settings(options)
+    tell_of_compiling(quiet=options["quiet"], loads=True)
+    with _progress_bar(options["quiet"]) as progress:
+        if goal is None:
+            found: ParetoFront | OptimisedGait = pareto_front(
+                model, progress=progress, **settings, **_front_settings(options)
+            )
+        else:
+            found = optimise(model, goal, progress=progress, **settings)
+    _report(found, files, as_json=options["as_json"])
+    if isinstance(found, OptimisedGait) and not found.met:
+        raise click.ClickException(f"the nearest gait falls short: {'; '.join(found.shortfalls)}.")
+
+
+def _goal(options: Options) -> Goal:
+    """The goal of `goal_options`."""
+    name = options["goal"] or "fastest"
+    keys = {
+        "fastest": (),
+        "tightest": ("min_speed",),
+        "efficient": ("min_speed", "cost"),
+        "target": ("speed", "curvature", "yaw_rate"),
+    }[name]
+    every = ("speed", "curvature", "yaw_rate", "min_speed", "cost")
+    _refuse(options, tuple(key for key in every if key not in keys), f"--goal {name}")
+    given = {key: options[key] for key in keys if options[key] is not None}
+    if name == "target" and "speed" not in given:
+        raise click.UsageError("--goal target needs --speed, and --curvature or --yaw-rate.")
+    return as_goal(GOALS[name](**given))
+
+
+def _refuse(options: Options, keys: tuple[str, ...], where: str) -> None:
+    found = [f"--{key.replace('_', '-')}" for key in keys if options[key] is not None]
+    if found:
+        raise click.UsageError(f"{', '.join(found)}: such options do not go with {where}.")
+
+
+def _model(options: Options) -> Model:
+    robot = build_robot(options)
+    damping = build_damping(options)
+    given = {} if damping is None else {"damping": damping}
+    return MODELS[options["model"]](robot, **given)
+
+
+def _settings(options: Options) -> Options:
+    """Bounds, limits and the search as `optimise` and `pareto_front` take them."""
+    names = {"offset": "offset", "amplitude": "amplitude", "frequency": "frequency"}
+    names["phase_difference"] = "phase"
+    found = {name: _pairs(options[key]) for name, key in names.items() if options[key] is not None}
+    limits = {
+        key: options[key] for key in GaitLimits.__dataclass_fields__ if options[key] is not None
+    }
+    found |= {key: options[key] for key in ("harmonics", "tied", "settle_time", "seed")}
+    if options["budget"] is not None:
+        found["budget"] = options["budget"]
+    return found | {"limits": GaitLimits(**limits)}
+
+
+def _front_settings(options: Options) -> Options:
+    return {key: options[key] for key in ("cost", "points") if options[key] is not None}
+
+
+def _pairs(value: Any) -> Any:
+    """One number, (low, high), or such pairs for each leg."""
+    if isinstance(value, tuple) and len(value) > 2 and len(value) % 2 == 0:
+        return np.reshape(value, (-1, 2))
+    return value
+
+
+def _files(options: Options) -> dict[str, Path]:
+    """Checked paths of --out and --pareto."""
+    found = {}
+    for key, suffixes in (("out", (".json",)), ("pareto", _PLOTS)):
+        name = options[key]
+        if name is not None:
+            if Path(name).suffix.lower() not in suffixes:
+                raise OutputError(
+                    f"cannot write {name!r}: --{key} ends in {' or '.join(suffixes)}."
+                )
+            found[key] = check_writable(name)
+    return found
+
+
+def _report(found: ParetoFront | OptimisedGait, files: dict[str, Path], *, as_json: bool) -> None:
+    """Write the files and print the result."""
+    text = to_json(found.to_dict())
+    if isinstance(found, ParetoFront):
+        from rrrobot.drawing import write_figure
+        from rrrobot.figures.pareto import pareto
+
+        write_figure(pareto(found), files["pareto"])
+    if "out" in files:
+        write_whole(files["out"], (text + "\n").encode())
+    if as_json:
+        click.echo(text)
+        return
+    click.echo(_front_table(found) if isinstance(found, ParetoFront) else _table(found))
+    for path in files.values():
+        click.echo(f"wrote {path}")
+
+
+def _table(found: OptimisedGait) -> str:
+    m, state, gait = found.measured, found.steady_state, found.gait.to_dict()
+    period = found.gait.period or 0.0
+    rows = [
+        (f"{found.goal.name}: {found.goal.quantity}", f"{found.value:.6g} {found.goal.unit}"),
+        *((f"  {key}", _numbers(value)) for key, value in gait.items() if key != "type"),
+        ("period", f"{period:.4g} s"),
+        ("speed v", f"{1000 * state.speed:.4f} mm/s, steps vary by {100 * state.variation:.1g} %"),
+        ("yaw rate", f"{state.yaw_rate:.6g} rad/s"),
+        ("curvature", f"{state.curvature:.6g} 1/m"),
+        ("motor torque", f"{m['rms_torque']:.4g} N m rms of all, {m['peak_torque']:.4g} N m peak"),
+        ("motor power", f"{m['power']:.4g} W"),
+        ("least normal force", f"{m['normal_force']:.4g} N"),
+        ("friction needed", f"{m['friction']:.3g}"),
+        ("largest pitch", f"{np.rad2deg(m['pitch']):.1f} deg"),
+        ("legs' least height", f"{1000 * m['clearance']:.1f} mm"),
+        ("confirmed", f"by the KKT model to {found.discrepancy:.1g}"),
+        ("searched", f"{found.evaluations} gaits, seed {found.search['seed']}"),
+    ]
+    if found.lift_off_time is not None:
+        rows.append(("LIFTS OFF", f"at {found.lift_off_time:.3g} s: blend in, as --ramp does"))
+    return aligned(rows)
+
+
+def _front_table(front: ParetoFront) -> str:
+    unit = {"torque": "mN m", "power": "mW"}[front.cost_name]
+    head = f"{'speed [mm/s]':>12}  {front.cost_name + ' [' + unit + ']':>14}  {'K [1/m]':>9}  gait"
+    lines = [head]
+    for i, gait in enumerate(front.gaits):
+        shown = ", ".join(f"{k} {_numbers(v)}" for k, v in gait.to_dict().items() if k != "type")
+        speed, cost = 1000 * front.speed[i], 1000 * front.cost[i]
+        # Plus zero, so that nothing shows as -0.000.
+        curvature = round(float(front.columns["curvature"][i]), 3) + 0.0
+        lines.append(f"{speed:12.4f}  {cost:14.4f}  {curvature:9.3f}  {shown}")
+    return "\n".join(lines)
+
+
+def _numbers(value: Any) -> str:
+    """Numbers of a gait with four decimals; what is the same for all legs once."""
+    if isinstance(value, list):
+        shown = [_numbers(entry) for entry in value]
+        if not isinstance(value[0], list) and len(set(shown)) == 1:
+            return shown[0]
+        return f"({', '.join(shown)})"
+    return f"{value + 0.0:.4f}"
+
+
+@contextmanager
+def _progress_bar(quiet: bool) -> Iterator[Progress | None]:
+    """Gaits simulated so far, on stderr if that is a terminal."""
+    if quiet or not sys.stderr.isatty():
+        yield None
+        return
+    from tqdm import tqdm
+
+    with tqdm(desc="gaits", leave=False, delay=1.0, file=sys.stderr) as bar:
+
+        def progress(used: int, budget: int) -> None:
+            bar.total = budget
+            bar.update(used - bar.n)
+
+        yield progress

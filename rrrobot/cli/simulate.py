@@ -1,0 +1,183 @@
+"""`rrrobot simulate`: one run, summed up, plotted, filmed, saved."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import click
+
+from rrrobot.cli.build import (
+    DECOUPLED,
+    MODELS,
+    Options,
+    build_damping,
+    build_drive,
+    build_robot,
+    build_run,
+    progress_bar,
+)
+from rrrobot.cli.compile import tell_of_compiling
+from rrrobot.cli.options import (
+    damping_options,
+    drive_options,
+    gait_options,
+    option_group,
+    robot_options,
+    run_options,
+    start_options,
+)
+from rrrobot.cli.report import summary, table, tell
+from rrrobot.drive.gaits import Gait
+from rrrobot.drive.torques import LegTorques
+from rrrobot.errors import OutputError, SimulationError
+from rrrobot.files import check_writable
+from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
+from rrrobot.robot.robot import Robot
+from rrrobot.simulation.recombined import decoupled
+from rrrobot.simulation.run import simulate as run_model
+from rrrobot.simulation.trajectory import Trajectory
+
+SUFFIXES = {"plot": (".png", ".pdf", ".svg"), "html": (".html", ".htm"), "save": (".npz",)}
+
+output_options = option_group(
+    click.option("--json", "as_json", is_flag=True, help="Summary as JSON, SI units."),
+    click.option("--plot", metavar="FILE", help="Plots: .png, .pdf or .svg."),
+    click.option("--html", metavar="FILE", help="Film that plays in any browser: .html."),
+    click.option(
+        "--save",
+        metavar="FILE",
+        help="The whole trajectory: .npz, for Trajectory.load and 'rrrobot view'. Written too if "
+        "the run stops early.",
+    ),
+    click.option("--quiet", is_flag=True, help="No progress bar."),
+)
+
+
+@click.command()
+@click.option(
+    "--model",
+    type=click.Choice((*MODELS, DECOUPLED)),
+    default="full",
+    show_default=True,
+    help="full: the robot rolls; pivoting: it turns about its centre; roll, pitch, yaw: about one "
+    "axis; decoupled: these three recombined by rolling.",
+)
+@robot_options
+@gait_options
+@drive_options
+@run_options
+@start_options
+@damping_options
+@output_options
+def simulate(**options: Any) -> None:
+    """Simulate a round robot that swings its legs.
+
+    The legs follow a gait, or are driven by constant torques.
+
+    Prints a summary; means and amplitudes are of whole cycles in the second half of the run, after
+    the ramp. The robot is RRRobot, with Table 2's masses and lengths unless told otherwise, or any
+    URDF with a round belly.
+
+    Units are SI, angles in radians. A number may be written pi, pi/2 or 3*pi/4; where an option is
+    per leg, give one number for all legs or one for each, with commas between.
+
+    \b
+    Examples:
+      rrrobot simulate --gait circular --plot circular.png --html circular.html
+      rrrobot simulate --offset pi/2,pi/4 --amplitude 0.2 --duration 60 --json
+      rrrobot simulate --robot solo12 --shell-radius 0.25 --shell-center 0 0 0.12 \
+        --legs FL_HFE,FR_HFE,HL_HFE,HR_HFE --offset pi --damping-kind body
+    """
+    run(options)
+
+
+def run(options: Options) -> None:
+    """Check the outputs, simulate, write them, print the summary."""
+    files = {key: checked_file(key, options[key]) for key in SUFFIXES if options[key] is not None}
+    settings = build_run(options)
+    robot = build_robot(options)
+    drive = build_drive(options, robot)
+    if settings.get("method") == "momentum" and options["model"] != DECOUPLED:
+        tell_of_compiling(quiet=options["quiet"], alone=True)
+    try:
+        with progress_bar(settings["duration"], quiet=options["quiet"]) as progress:
+            trajectory = _simulate(options, robot, drive, settings | {"progress": progress})
+    except SimulationError as error:
+        raise _with_partial_run(error, files.get("save")) from None
+    data = summary(trajectory)
+    written = write_outputs(trajectory, files)
+    tell(data, table(data), written, as_json=options["as_json"])
+
+
+def _simulate(
+    options: Options, robot: Robot, drive: Gait | LegTorques, settings: Options
+) -> Trajectory:
+    damping = build_damping(options)
+    given = {} if damping is None else {"damping": damping}
+    name = options["model"]
+    if name != DECOUPLED:
+        settings["start"] = options["start"]
+        if options["euler"] is not None:
+            settings["euler"] = options["euler"]
+        return run_model(MODELS[name](robot, **given), drive, **settings)
+    if options["start"] != "impulsive" or options["euler"] is not None:
+        raise click.UsageError("--start and --euler do not go with --model decoupled.")
+    if not isinstance(drive, Gait):
+        raise click.UsageError("--torque does not go with --model decoupled: it needs a gait.")
+    if "method" in settings:
+        raise click.UsageError("--method does not go with --model decoupled: it has its own.")
+    axes: dict[str, Any] = {"roll": RollModel, "pitch": PitchModel, "yaw": YawModel}
+    models = {axis: model(robot, **given) for axis, model in axes.items()}
+    return decoupled(robot, drive, **models, **settings)
+
+
+def write_outputs(trajectory: Trajectory, files: dict[str, Path]) -> list[Path]:
+    """Write the plot, the film and the trajectory, as far as they are asked for."""
+    written = []
+    if "save" in files:
+        written.append(trajectory.save(files["save"]))
+    if "plot" in files:
+        from rrrobot.drawing import write_figure
+
+        written.append(write_figure(trajectory.plot("all"), files["plot"]))
+    if "html" in files:
+        from rrrobot.view.viewer import record
+
+        written.append(record(trajectory, files["html"]))
+    return written
+
+
+def checked_file(key: str, name: str) -> Path:
+    """Path of an output option ("plot", "html", "save") that can be written.
+
+    Raises:
+        OutputError: a wrong suffix, or no place to write.
+    """
+    path = Path(name)
+    allowed = SUFFIXES[key]
+    exact = path.suffix if key == "save" else path.suffix.lower()
+    if exact not in allowed:
+        raise OutputError(f"cannot write {name!r}: --{key} ends in {' or '.join(allowed)}.")
+    return check_writable(path)
+
+
+def _with_partial_run(error: SimulationError, path: Path | None) -> SimulationError:
+    """The same error, saying where the samples up to the stop are."""
+    if error.trajectory is None:
+        return error
+    # What a script would do about it, in words of the command line.
+    message = re.sub(r" The \d+ samples up to then are in .*$", "", str(error))
+    message = message.replace("BodyRateDamping", "--damping-kind body")
+    samples = f"the {len(error.trajectory)} samples up to then"
+    if path is None:
+        note = f"With --save FILE {samples} would be kept."
+    else:
+        try:
+            note = f"{samples.capitalize()} are in {error.trajectory.save(path)}."
+        except OutputError as failure:
+            note = f"{samples.capitalize()} are lost: {failure}"
+    return type(error)(
+        f"{message} {note}", time=error.time, state=error.state, trajectory=error.trajectory
+    )

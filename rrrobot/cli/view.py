@@ -1,0 +1,122 @@
+"""`rrrobot view` and `rrrobot robots`."""
+
+from __future__ import annotations
+
+import threading
+from typing import Any
+
+import click
+
+from rrrobot.checks import finite
+from rrrobot.cli.build import progress_bar
+from rrrobot.cli.options import GAITS
+from rrrobot.cli.report import to_json
+from rrrobot.cli.simulate import checked_file
+from rrrobot.cli.types import NUMBER
+from rrrobot.drive.gaits import gait as named_gait
+from rrrobot.errors import MissingExtraError
+from rrrobot.models.full import FullModel
+from rrrobot.robot.examples import example_robots
+from rrrobot.robot.robot import Robot
+from rrrobot.simulation.run import simulate
+from rrrobot.simulation.trajectory import Trajectory
+
+
+@click.command()
+@click.argument("file", required=False, metavar="[FILE.npz]")
+@click.option(
+    "--gait",
+    type=click.Choice(GAITS),
+    default="lateral",
+    show_default=True,
+    help="Of RRRobot, where no file is given.",
+)
+@click.option("--duration", type=NUMBER, default="10", show_default=True, help="Of it [s].")
+@click.option(
+    "--speed", type=NUMBER, default="1", show_default=True, help="Simulated seconds per second."
+)
+@click.option("--loop", is_flag=True, help="Play again and again.")
+@click.option("--no-browser", is_flag=True, help="Print the address, open no browser.")
+@click.option("--html", metavar="FILE", help="Write the film to this .html instead, and end.")
+@click.option("--quiet", is_flag=True, help="No progress bar.")
+def view(
+    file: str | None,
+    gait: str,
+    duration: float,
+    speed: float,
+    loop: bool,
+    no_browser: bool,
+    html: str | None,
+    quiet: bool,
+) -> None:
+    """Show a saved trajectory, or a gait of RRRobot, in the browser.
+
+    Prints the address of the page, which only this computer can open, and serves it until Ctrl-C.
+
+    \b
+    Examples:
+      rrrobot view --gait circular --loop
+      rrrobot view run.npz --speed 0.5
+      rrrobot view run.npz --html run.html
+    """
+    target = None if html is None else checked_file("html", html)
+    if file is not None:
+        trajectory = Trajectory.load(file)
+    else:
+        finite("duration", duration, "s", above=0)
+        model = FullModel(Robot.from_parameters())
+        with progress_bar(duration, quiet=quiet) as progress:
+            trajectory = simulate(model, named_gait(gait), duration, progress=progress)
+    if target is not None:
+        from rrrobot.view.viewer import record
+
+        click.echo(f"wrote {record(trajectory, target, speed=speed)}")
+        return
+    _serve(trajectory, speed=speed, loop=loop, open_browser=not no_browser)
+
+
+def _serve(trajectory: Trajectory, *, speed: float, loop: bool, open_browser: bool) -> None:
+    from rrrobot.view.viewer import Viewer
+
+    with Viewer(trajectory.robot, open_browser=open_browser) as viewer:
+        try:
+            click.echo(f"{viewer.url}  (Ctrl-C ends)")
+            # A motion that plays to nobody would be over when the page opens.
+            viewer.wait_for_browser()
+            viewer.play(trajectory, speed=speed, loop=loop)
+            threading.Event().wait()
+        except KeyboardInterrupt:
+            click.echo("closed", err=True)
+
+
+@click.command()
+@click.option("--json", "as_json", is_flag=True, help="As JSON.")
+def robots(as_json: bool) -> None:
+    """List the robots that --robot takes.
+
+    RRRobot is built in. The others come with example-robot-data (extra 'robots'): any of them rolls
+    on the belly that --shell-radius gives it.
+
+    \b
+    Example:
+      rrrobot robots
+      rrrobot simulate --robot solo12 --shell-radius 0.25 --shell-center 0 0 0.12 \
+        --legs FL_HFE,FR_HFE,HL_HFE,HR_HFE --offset pi --damping-kind body
+    """
+    rrrobot = Robot.from_parameters()
+    found: list[dict[str, Any]] = [
+        {"name": "rrrobot", "source": "built in: Table 2 of the paper", "legs": [*rrrobot.legs]}
+    ]
+    missing = None
+    try:
+        found += [{"name": n, "source": "example-robot-data"} for n in example_robots()]
+    except MissingExtraError as error:
+        missing = str(error)
+    if as_json:
+        click.echo(to_json(found))
+    else:
+        width = max(len(robot["name"]) for robot in found)
+        for robot in found:
+            click.echo(f"{robot['name']:<{width}}  {robot['source']}")
+    if missing is not None:
+        click.echo(f"Note: {missing}", err=True)

@@ -1,0 +1,1 @@
+"""Surfaces, and how they roll."""

@@ -1,0 +1,1 @@
+"""What moves and brakes the joints: gaits, moves, torque laws, damping."""

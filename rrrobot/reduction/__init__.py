@@ -1,0 +1,1 @@
+"""Kinematic reduction: what a motion of the legs is worth."""

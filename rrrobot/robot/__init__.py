@@ -1,0 +1,1 @@
+"""A robot: parameters, URDF, joints."""

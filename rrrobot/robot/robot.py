@@ -1,0 +1,278 @@
+"""A robot: URDF -> Pinocchio model with a free-flyer base, a round shell, a ground, named legs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from rrrobot.checks import Array, finite, vector
+from rrrobot.contact.surfaces import SHELL_FRAME, Sphere, Surface, surface_from_dict
+from rrrobot.errors import ParameterError, ShellError, UrdfError
+from rrrobot.robot.examples import example_urdf
+from rrrobot.robot.joints import build_model, check_masses, movable_joints
+from rrrobot.robot.parameters import RRRobotParameters
+from rrrobot.robot.reader import parse_urdf, read_urdf, root_link
+from rrrobot.robot.urdf import LEGS, rrrobot_urdf
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Robot:
+    """A tree of one-degree-of-freedom joints on a free-flyer base whose root link has a shell.
+
+    Make one with `from_parameters`, `from_urdf` or `from_example`. A robot pickles and
+    deep-copies; its Pinocchio model must not be changed.
+
+    Attributes:
+        name: the URDF's robot name.
+        urdf: the URDF as text.
+        shell: the round surface, in the frame `SHELL_FRAME`.
+        legs: joint names of the legs; every leg array in this package has this order.
+        shell_link: link that carries the shell; rigidly fixed to the root link.
+        shell_center: shell's centre in the frame of `shell_link` (3,) [m].
+        locked: positions of the joints that are not legs, held still [rad or m].
+        gravity: g, along -z of the world [m/s^2].
+        ground_normal: unit normal of the ground plane through the world's origin (3,).
+        package_dirs: folders where `package://` mesh names are looked up.
+        model: Pinocchio model; q = (base position, base quaternion xyzw, joints), v = (base
+            linear and angular velocity in the base frame, joint velocities).
+
+    Example:
+        >>> import rrrobot as rr
+        >>> robot = rr.Robot.from_parameters(rr.RRRobotParameters())
+        >>> robot
+        Robot('rrrobot', legs=('leg_1', 'leg_2'), shell=Sphere(radius=0.12), mass=0.52 kg)
+    """
+
+    urdf: str
+    shell: Surface
+    legs: tuple[str, ...]
+    shell_link: str
+    shell_center: Array
+    locked: Mapping[str, float] = field(default_factory=dict)
+    gravity: float = 9.81
+    ground_normal: Array
+    package_dirs: tuple[str, ...] = ()
+    name: str = field(init=False)
+    model: pin.Model = field(init=False, repr=False)
+    shell_placement: pin.SE3 = field(init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.shell, Surface):
+            raise ShellError(
+                f"shell is {self.shell!r}: it must be a surface, such as Sphere(radius=0.12)."
+            )
+        normal = vector("ground_normal", self.ground_normal, 3)
+        if normal[2] <= 0:
+            raise ParameterError(
+                f"ground_normal is {normal.tolist()}: it must point up (third entry above zero)."
+            )
+        normal /= np.abs(normal).max()
+        set_field = object.__setattr__
+        set_field(self, "ground_normal", normal / np.linalg.norm(normal))
+        set_field(self, "shell_center", vector("shell_center", self.shell_center, 3, "m"))
+        set_field(self, "gravity", finite("gravity", self.gravity, "m/s^2", at_least=0))
+        for array in (self.ground_normal, self.shell_center):
+            array.flags.writeable = False
+        model = build_model(self.urdf, pin.JointModelFreeFlyer(), self.legs, self.locked)
+        model.gravity.linear = np.array((0.0, 0.0, -self.gravity))
+        set_field(self, "name", model.name)
+        set_field(self, "shell_placement", _add_shell_frame(model, self))
+        check_masses(model)
+        set_field(self, "model", model)
+
+    @classmethod
+    def from_parameters(
+        cls,
+        parameters: RRRobotParameters | None = None,
+        *,
+        ground_normal: ArrayLike = (0.0, 0.0, 1.0),
+    ) -> Robot:
+        """RRRobot from its geometry and masses (Table 2 by default)."""
+        p = parameters or RRRobotParameters()
+        return cls(
+            urdf=rrrobot_urdf(p),
+            shell=Sphere(p.shell_radius),
+            legs=LEGS,
+            shell_link="shell",
+            shell_center=np.zeros(3),
+            gravity=p.gravity,
+            ground_normal=vector("ground_normal", ground_normal, 3),
+        )
+
+    @classmethod
+    def from_urdf(
+        cls,
+        source: str | Path,
+        *,
+        shell: Surface,
+        legs: Sequence[str] | None = None,
+        locked: Mapping[str, float] | None = None,
+        shell_link: str | None = None,
+        shell_center: ArrayLike = (0.0, 0.0, 0.0),
+        gravity: float = 9.81,
+        ground_normal: ArrayLike = (0.0, 0.0, 1.0),
+        package_dirs: Sequence[str | Path] = (),
+    ) -> Robot:
+        """Any URDF robot that rolls on a round belly.
+
+        Args:
+            source: path of a URDF file, or the URDF as text.
+            shell: the belly, such as `Sphere(0.2)`; it touches the ground at one point.
+            legs: joint names in the order that gaits use; all movable joints that are not
+                `locked`, in Pinocchio's order, unless given. Joints left out are held at their
+                `locked` position.
+            locked: joint name -> position of held joints [rad or m]; 0 where it is not named.
+            shell_link: link that carries the shell; the root link unless given.
+            shell_center: centre of the shell in that link's frame (3,) [m].
+            gravity: g [m/s^2], zero or more.
+            ground_normal: normal of the ground plane (3,), any length; gravity stays along -z.
+            package_dirs: folders for `package://` mesh names.
+
+        Raises:
+            UrdfError: missing, malformed or hostile file; a joint that has more than one degree
+                of freedom or does not exist; no mass.
+            ShellError: no such link, a link that moves against the root link, no surface.
+            ParameterError: a number out of range.
+
+        Example:
+            >>> import rrrobot as rr
+            >>> robot = rr.Robot.from_urdf(rr.urdf_path("rrrobot"), shell=rr.Sphere(0.12))
+            >>> robot.legs
+            ('leg_1', 'leg_2')
+        """
+        text = read_urdf(source)
+        every = movable_joints(text)
+        free = tuple(name for name in every if name not in (locked or {}))
+        chosen = free if legs is None else _leg_names(legs)
+        _refuse_mimics(text, chosen)
+        held = {name: 0.0 for name in every if name not in chosen}
+        for name, value in (locked or {}).items():
+            if name not in held:
+                raise UrdfError(
+                    f"locked joint {name!r} is no movable joint outside the legs; those are: "
+                    f"{', '.join(held) or 'none'}."
+                )
+            held[name] = finite(f"locked[{name!r}]", value)
+        return cls(
+            urdf=text,
+            shell=shell,
+            legs=chosen,
+            shell_link=shell_link or root_link(parse_urdf(text)),
+            shell_center=vector("shell_center", shell_center, 3, "m"),
+            locked=held,
+            gravity=gravity,
+            ground_normal=vector("ground_normal", ground_normal, 3),
+            package_dirs=tuple(str(folder) for folder in package_dirs),
+        )
+
+    @classmethod
+    def from_example(cls, name: str, *, shell: Surface, **options: Any) -> Robot:
+        """A robot of example-robot-data (extra `robots`), such as "solo12".
+
+        Args:
+            name: as `example_robots()` lists them.
+            shell: the belly.
+            **options: as for `from_urdf`.
+
+        Raises:
+            MissingExtraError: the extra is not installed.
+            UrdfError: no such robot.
+        """
+        path, package_dir = example_urdf(name)
+        return cls.from_urdf(path, shell=shell, package_dirs=(package_dir,), **options)
+
+    @property
+    def n_legs(self) -> int:
+        """Number of leg joints."""
+        return len(self.legs)
+
+    @property
+    def mass(self) -> float:
+        """Total mass [kg]."""
+        return float(pin.computeTotalMass(self.model))
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything that `from_dict` needs, as plain data for JSON."""
+        return {
+            "urdf": self.urdf,
+            "shell": self.shell.to_dict(),
+            "legs": list(self.legs),
+            "shell_link": self.shell_link,
+            "shell_center": self.shell_center.tolist(),
+            "locked": dict(self.locked),
+            "gravity": self.gravity,
+            "ground_normal": self.ground_normal.tolist(),
+            "package_dirs": list(self.package_dirs),
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Robot:
+        """The robot that `to_dict` wrote; its URDF is checked as any other."""
+        parts = dict(data)
+        parts["shell"] = surface_from_dict(parts["shell"])
+        parts["legs"] = tuple(parts["legs"])
+        parts["package_dirs"] = tuple(parts["package_dirs"])
+        return cls(**parts)
+
+    def __repr__(self) -> str:
+        return (
+            f"Robot({self.name!r}, legs={self.legs}, shell={self.shell}, mass={self.mass:.6g} kg)"
+        )
+
+    def __reduce__(self) -> tuple[Any, tuple[dict[str, Any]]]:
+        return (_remake, ({f.name: getattr(self, f.name) for f in fields(self) if f.init},))
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Robot) and self.to_dict() == other.to_dict()
+
+    def __hash__(self) -> int:
+        return hash((self.urdf, self.shell, self.legs))
+
+
+def _refuse_mimics(text: str, legs: Sequence[str]) -> None:
+    """A mimic joint would move by itself as a leg of its own."""
+    for joint in parse_urdf(text).findall("joint"):
+        mimic = joint.find("mimic")
+        if mimic is not None and joint.get("name") in legs:
+            raise UrdfError(
+                f"joint {joint.get('name')!r} mimics {mimic.get('joint')!r}, which no model here "
+                "does: hold it still with locked={...: 0.0}, or leave it out of legs."
+            )
+
+
+def _leg_names(legs: Sequence[str]) -> tuple[str, ...]:
+    names = (legs,) if isinstance(legs, str) else tuple(legs)
+    if len(set(names)) != len(names):
+        raise UrdfError(f"legs are {names}: each joint may be named once.")
+    return names
+
+
+def _remake(parts: dict[str, Any]) -> Robot:
+    return Robot(**parts)
+
+
+def _add_shell_frame(model: pin.Model, robot: Robot) -> pin.SE3:
+    """Add SHELL_FRAME to the model; return its placement in the base frame."""
+    if model.existFrame(SHELL_FRAME):
+        raise UrdfError(f"the URDF has the name {SHELL_FRAME!r}: rename it; the shell needs it.")
+    bodies = [f.name for f in model.frames if f.type == pin.FrameType.BODY]
+    if robot.shell_link not in bodies:
+        raise ShellError(
+            f"the robot has no link {robot.shell_link!r} to carry the shell. Its links are: "
+            f"{', '.join(bodies)}."
+        )
+    link = model.frames[model.getFrameId(robot.shell_link, pin.FrameType.BODY)]
+    if link.parentJoint != 1:
+        raise ShellError(
+            f"link {robot.shell_link!r} moves with joint {model.names[link.parentJoint]!r}: the "
+            "shell must be fixed to the root link. Lock that joint or name another link."
+        )
+    placement = link.placement * pin.SE3(np.eye(3), robot.shell_center)
+    model.addFrame(pin.Frame(SHELL_FRAME, 1, placement, pin.FrameType.OP_FRAME))
+    return placement

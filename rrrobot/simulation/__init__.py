@@ -1,0 +1,1 @@
+"""Integrate a model in time, and what comes out."""

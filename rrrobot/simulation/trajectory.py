@@ -1,0 +1,231 @@
+"""The result of a simulation."""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rrrobot.checks import Array
+from rrrobot.errors import ModelError, OutputError
+from rrrobot.files import write_whole
+from rrrobot.robot.robot import Robot
+from rrrobot.simulation.steady import SteadyState, steady_state
+
+FORMAT = "rrrobot trajectory 1"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Trajectory:
+    """A robot's motion: arrays of n samples, SI units, and what made them.
+
+    Attributes:
+        time: (n,) [s], from 0 to the duration, both ends.
+        euler: roll, pitch, yaw without jumps (n, 3) [rad].
+        euler_rates: (n, 3) [rad/s].
+        position: contact point in the ground plane (n, 2) [m].
+        leg_angle, leg_rate: (n, legs) [rad, rad/s].
+        contact_force: of the ground (or the pivot) on the robot, world frame (n, 3) [N].
+        leg_torque: motor torques (n, legs) [N m]; forces [N] for prismatic joints.
+        energy: kinetic plus potential (n,) [J].
+        slip: speed of the shell's material point at the contact (n,) [m/s].
+        height_error: distance of the shell's lowest point from the ground (n,) [m].
+        configuration: free-flyer q of `robot.model` (n, nq), for the viewer and for Pinocchio.
+        velocity: free-flyer v of `robot.model` (n, nv).
+        state: the model's own state vector (n, ny); the last row continues a simulation.
+        robot: the robot.
+        metadata: model, gait or torques, integrator, versions; plain data.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> model = rr.FullModel(rr.Robot.from_parameters())
+        >>> rr.simulate(model, rr.gait("lateral"), duration=2.0)
+        Trajectory(full model of rrrobot, 201 samples, 0 .. 2 s, contact travelled 30.4 cm)
+    """
+
+    time: Array
+    euler: Array
+    euler_rates: Array
+    position: Array
+    leg_angle: Array
+    leg_rate: Array
+    contact_force: Array
+    leg_torque: Array
+    energy: Array
+    slip: Array
+    height_error: Array
+    configuration: Array
+    velocity: Array
+    state: Array
+    robot: Robot = field(repr=False)
+    metadata: Mapping[str, Any] = field(default_factory=dict, repr=False)
+
+    @property
+    def model_name(self) -> str:
+        """Name of the model that made it."""
+        return str(self.metadata.get("model", {}).get("name", "unknown"))
+
+    @property
+    def period(self) -> float | None:
+        """Period of the gait [s], if it has one."""
+        return self.metadata.get("period")
+
+    @property
+    def has_contact(self) -> bool:
+        """Whether `contact_force` is a rolling contact's, and not a pivot's."""
+        return bool(self.metadata.get("has_contact", True))
+
+    @property
+    def normal_force(self) -> Array:
+        """Contact force along the ground's normal (n,) [N]."""
+        return self.contact_force @ self.robot.ground_normal
+
+    @property
+    def required_friction(self) -> Array:
+        """Friction coefficient that the contact needs not to slip, |F_t| / F_n (n,).
+
+        Infinite where the normal force is not positive: no friction would do.
+
+        Raises:
+            ModelError: the model has no rolling contact.
+        """
+        if not self.has_contact:
+            raise ModelError(
+                f"the {self.model_name} model is pivoted: it has no contact that could slip."
+            )
+        normal = self.normal_force
+        tangent = self.contact_force - np.outer(normal, self.robot.ground_normal)
+        size = np.linalg.norm(tangent, axis=1)
+        return np.divide(size, normal, out=np.full_like(size, np.inf), where=normal > 0)
+
+    @property
+    def lift_off_time(self) -> float | None:
+        """First sample at which the normal force is not positive [s], or None.
+
+        From then on the real robot would leave the ground, and this motion means nothing.
+        """
+        lifted = np.flatnonzero(self.normal_force <= 0) if self.has_contact else np.empty(0, int)
+        return float(self.time[lifted[0]]) if lifted.size else None
+
+    def steady_state(
+        self, *, start: float | None = None, period: float | None = None
+    ) -> SteadyState:
+        """Cycle means and amplitudes of the settled motion; see `rrrobot.simulation.steady`.
+
+        Args:
+            start: time from which whole cycles are counted [s]; half the duration by default.
+            period: of the cycle [s]; the gait's by default.
+
+        Example:
+            >>> import rrrobot as rr
+            >>> model = rr.FullModel(rr.Robot.from_parameters())
+            >>> t = rr.simulate(model, rr.gait("circular"), duration=30.0)
+            >>> round(t.steady_state().speed, 5)
+            0.00668
+        """
+        return steady_state(self, start=start, period=period)
+
+    def plot(self, kind: str = "all", ax: Any = None) -> Any:
+        """Plot "angles", "path", "energy", "force" or "legs" on `ax`, or "all" in one figure.
+
+        Returns:
+            the Axes, or the Figure for "all".
+        """
+        from rrrobot.simulation.plots import plot
+
+        return plot(self, kind, ax)
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything to one .npz file, whole or not at all; `load` is the inverse.
+
+        Raises:
+            OutputError: the file cannot be written.
+        """
+        target = Path(path)
+        if target.suffix != ".npz":
+            raise OutputError(f"cannot write {str(target)!r}: a trajectory's file ends in .npz.")
+        header = {
+            "format": FORMAT,
+            "robot": self.robot.to_dict(),
+            "metadata": dict(self.metadata),
+        }
+        try:
+            text = json.dumps(header)
+        except (TypeError, ValueError) as error:
+            raise OutputError(
+                f"cannot write {str(target)!r}: the metadata is not plain data: {error}."
+            ) from None
+        buffer = io.BytesIO()
+        arrays = {name: getattr(self, name) for name in _ARRAYS}
+        np.savez_compressed(buffer, header=np.array(text), **arrays)
+        return write_whole(target, buffer.getvalue())
+
+    @classmethod
+    def load(cls, path: str | Path) -> Trajectory:
+        """Read what `save` wrote.
+
+        Raises:
+            OutputError: the file is missing, damaged, or not a trajectory.
+        """
+        try:
+            with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as archive:
+                header = json.loads(str(archive["header"]))
+                if header["format"] != FORMAT:
+                    raise ValueError(
+                        f"its format is {header['format']!r}, and this version reads {FORMAT!r}"
+                    )
+                arrays = {name: archive[name] for name in _ARRAYS}
+            robot = Robot.from_dict(header["robot"])
+            _check_arrays(arrays, robot)
+            return cls(robot=robot, metadata=dict(header["metadata"]), **arrays)
+        except FileNotFoundError:
+            raise OutputError(f"there is no file {str(path)!r}: check the path.") from None
+        except Exception as error:  # a damaged archive raises almost anything
+            reason = str(error).rstrip(".") or type(error).__name__
+            raise OutputError(
+                f"{str(path)!r} is not a trajectory that rrrobot saved: {reason}."
+            ) from error
+
+    def __len__(self) -> int:
+        return len(self.time)
+
+    def __repr__(self) -> str:
+        step = np.linalg.norm(np.diff(self.position, axis=0), axis=1).sum()
+        parts = [
+            f"{self.model_name} model of {self.robot.name}",
+            f"{len(self)} samples",
+            f"{self.time[0]:g} .. {self.time[-1]:g} s",
+            f"contact travelled {100 * step:.3g} cm",
+        ]
+        if self.lift_off_time is not None:
+            parts.append(f"LIFTS OFF at {self.lift_off_time:.4g} s")
+        return f"Trajectory({', '.join(parts)})"
+
+
+_ARRAYS = tuple(f.name for f in fields(Trajectory) if f.name not in ("robot", "metadata"))
+
+
+def _check_arrays(arrays: Mapping[str, Array], robot: Robot) -> None:
+    legs, model = robot.n_legs, robot.model
+    columns = {
+        "euler": 3,
+        "euler_rates": 3,
+        "position": 2,
+        "leg_angle": legs,
+        "leg_rate": legs,
+        "contact_force": 3,
+        "leg_torque": legs,
+        "configuration": model.nq,
+        "velocity": model.nv,
+        "state": arrays["state"].shape[-1],
+    }
+    n = arrays["time"].size
+    for name, array in arrays.items():
+        shape = (n, columns[name]) if name in columns else (n,)
+        if array.shape != shape or array.dtype != np.float64 or n == 0:
+            raise ValueError(f"{name} has shape {array.shape} of {array.dtype}, not {shape}")

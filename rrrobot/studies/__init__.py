@@ -1,0 +1,1 @@
+"""Many runs: comparison, sweeps, optimisation."""

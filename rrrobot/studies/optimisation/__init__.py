@@ -1,0 +1,1 @@
+"""The best gait for a goal."""

@@ -1,0 +1,219 @@
+"""The Pareto front of speed against motor torque: for each speed, the least that it takes.
+
+The box of gaits is sampled once; then, from the fastest gait down and up again, the torque is
+minimised at each speed (epsilon constraints) from the neighbour's gait and from the best samples.
+All that is simulated competes for every point, so the front cannot be dominated by it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rrrobot.checks import Array
+from rrrobot.drive.gaits import FourierGait, SinusoidalGait
+from rrrobot.errors import GaitError, ParameterError
+from rrrobot.models.base import Model
+from rrrobot.studies.optimisation.goals import FastestTravel, LeastRate
+from rrrobot.studies.optimisation.result import confirm
+from rrrobot.studies.optimisation.run import check_whole, discrepancy, legs_of, prepare, weight_of
+from rrrobot.studies.optimisation.search import polish, search
+from rrrobot.studies.optimisation.space import Space
+from rrrobot.studies.optimisation.table import COLUMNS, GaitLimits
+from rrrobot.studies.optimisation.task import (
+    Evaluator,
+    Progress,
+    Spent,
+    Task,
+    best_point,
+    best_points,
+)
+
+_FOR_FASTEST = 0.4
+"""Part of the budget that finds the fastest gait, and samples the box on the way."""
+_ITERATIONS = 40
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ParetoFront:
+    """Gaits of which none is both faster and cheaper than another, the slowest first.
+
+    Attributes:
+        speed: (n,) [m/s].
+        cost: rms motor torque [N m], or mean of the sum of |torque x rate| [W] (n,).
+        cost_name: "torque" or "power".
+        gaits: n gaits.
+        columns: all results by column of `COLUMNS`, each (n,).
+        tried: (speed, cost) of every valid gait of the search (m, 2).
+        discrepancy: largest relative difference to the KKT model, of three gaits of the front.
+        limits: what all of them respect.
+        evaluations: gaits that were simulated.
+        search: bounds, seed, budget and settle time.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> model = rr.FullModel(rr.Robot.from_parameters())
+        >>> front = rr.pareto_front(model, points=3, budget=400, settle_time=8.0, tied=True)
+        >>> bool(all(front.cost[1:] > front.cost[:-1]))
+        True
+    """
+
+    speed: Array
+    cost: Array
+    cost_name: str
+    gaits: tuple[SinusoidalGait | FourierGait, ...]
+    columns: Mapping[str, Array]
+    tried: Array = field(repr=False)
+    discrepancy: float
+    limits: GaitLimits
+    evaluations: int
+    search: Mapping[str, Any] = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the gaits that lost as plain data."""
+        return {
+            "cost": self.cost_name,
+            "unit": LeastRate(rate=self.cost_name).unit,
+            "points": [
+                {"gait": gait.to_dict()}
+                | {name: float(column[i]) for name, column in self.columns.items()}
+                for i, gait in enumerate(self.gaits)
+            ],
+            "discrepancy": self.discrepancy,
+            "limits": self.limits.to_dict(),
+            "evaluations": self.evaluations,
+            "search": dict(self.search),
+        }
+
+    def __len__(self) -> int:
+        return len(self.gaits)
+
+    def __repr__(self) -> str:
+        unit = LeastRate(rate=self.cost_name).unit
+        return (
+            f"ParetoFront({len(self)} gaits, speed {self.speed[0]:.4g} .. {self.speed[-1]:.4g} "
+            f"m/s, {self.cost_name} {self.cost[0]:.4g} .. {self.cost[-1]:.4g} {unit})"
+        )
+
+
+def pareto_front(
+    model: Model,
+    *,
+    cost: str = "torque",
+    points: int = 16,
+    offset: ArrayLike = (0.0, np.pi),
+    amplitude: ArrayLike = (0.0, 0.5),
+    frequency: ArrayLike = (2.0, 14.0),
+    phase_difference: ArrayLike = (0.0, 2 * np.pi),
+    harmonics: int = 1,
+    tied: bool = False,
+    limits: GaitLimits | None = None,
+    settle_time: float = 25.0,
+    budget: int | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> ParetoFront:
+    """Speed against motor torque: for speeds up to the fastest, the gait that takes the least.
+
+    Args:
+        model: `FullModel` or `PivotingModel`.
+        cost: "torque", the rms over a cycle of all motors; or "power", the mean sum of
+            |torque x rate|.
+        points: equal steps of speed from zero, at least 2; the front has as many gaits unless one
+            is the best for several.
+        budget: gaits that may be simulated; 30 000 for each harmonic unless given.
+        offset, amplitude, frequency, phase_difference, harmonics, tied, limits, settle_time, seed,
+            progress: as for `optimise`.
+
+    Raises:
+        ParameterError, ModelError: as `optimise` raises.
+        GaitError: no gait within the bounds is within the limits.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> model = rr.FullModel(rr.Robot.from_parameters())
+        >>> front = rr.pareto_front(model, points=3, budget=400, settle_time=8.0, frequency=8.0)
+        >>> front.gaits[-1].n_legs
+        2
+    """
+    limits = limits or GaitLimits()
+    budget = 30_000 * harmonics if budget is None else budget
+    LeastRate(rate=cost)
+    check_whole("points", points, 2)
+    space = Space(
+        legs_of(model), offset=offset, amplitude=amplitude, frequency=frequency,
+        phase_difference=phase_difference, harmonics=harmonics, tied=tied,
+    )  # fmt: skip
+    if space.n == 0:
+        raise ParameterError("every bound is one number: a front needs something to vary.")
+    evaluator = prepare(model, space, limits, settle_time, budget, seed, progress)
+    fastest = Task(FastestTravel(), limits, weight_of(model))
+    evaluator.allowed = int(_FOR_FASTEST * budget)
+    search(evaluator, fastest, np.random.default_rng(seed))
+    evaluator.allowed = evaluator.budget
+    _, table = evaluator.archive()
+    scores = fastest.scores(table)
+    if not fastest.valid(scores).any():
+        raise GaitError(
+            "no gait within the bounds is within the limits, so there is no front. `optimise` "
+            "says which limits the nearest one breaks."
+        )
+    speeds = -scores.min() * np.arange(1, points + 1) / points * (1 - 1e-3)
+    tasks = [fastest._replace(goal=LeastRate(rate=cost, min_speed=float(v))) for v in speeds]
+    _descend(evaluator, tasks)
+    settings = {"settle_time": float(settle_time), "budget": int(budget), "seed": int(seed)}
+    return _front(model, evaluator, tasks, cost, settings)
+
+
+def _descend(evaluator: Evaluator, tasks: list[Task]) -> None:
+    """Polish the front's points, from the fastest down and up again, while there is budget."""
+    try:
+        for task in reversed(tasks):
+            points, table = evaluator.archive()
+            for start in best_points(points, task.scores(table), 2):
+                polish(evaluator, task, start, iterations=_ITERATIONS)
+        for slower, task in pairwise(tasks):
+            polish(evaluator, task, best_point(evaluator, slower), iterations=_ITERATIONS)
+        for task in reversed(tasks):
+            polish(evaluator, task, best_point(evaluator, task), iterations=_ITERATIONS)
+    except Spent:
+        pass
+
+
+def _front(
+    model: Model, evaluator: Evaluator, tasks: list[Task], cost: str, settings: dict[str, Any]
+) -> ParetoFront:
+    points, table = evaluator.archive()
+    scores = [task.scores(table) for task in tasks]
+    best = np.unique([int(np.argmin(s)) for s in scores])
+    goal, limits = tasks[0].goal, tasks[0].limits
+    # The fastest gait that costs as much comes last of equals, and is the one to keep.
+    best = best[np.lexsort((table.speed[best], goal.value(table)[best]))]
+    best = best[np.append(np.diff(goal.value(table)[best]) > 0, True)]
+    found = table.rows(best)
+    gaits = tuple(evaluator.space.gait(points[i]) for i in best)
+    any_speed = tasks[0]._replace(goal=FastestTravel())
+    valid = np.flatnonzero(any_speed.valid(any_speed.scores(table)))
+    return ParetoFront(
+        speed=found.speed,
+        cost=goal.value(found),
+        cost_name=cost,
+        gaits=gaits,
+        columns={name: getattr(found, name) for name in COLUMNS if name != "status"}
+        | {"curvature": found.curvature},
+        tried=np.column_stack((table.speed, goal.value(table)))[valid],
+        discrepancy=max(
+            discrepancy(
+                found.rows(slice(i, i + 1)), confirm(model, gaits[i], settings["settle_time"])[2]
+            )
+            for i in sorted({0, len(gaits) // 2, len(gaits) - 1})
+        ),
+        limits=limits,
+        evaluations=evaluator.used,
+        search=evaluator.space.to_dict() | settings,
+    )

@@ -1,0 +1,213 @@
+"""The best gait for a goal: a global search by the momentum engine, polishes, a confirmation.
+
+The box of gaits is sampled through the engine, forces and torques included; sequential quadratic
+programming starts from the best few samples; the winner is then simulated by the general KKT model,
+and that is what the result reports.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rrrobot.checks import Array, finite
+from rrrobot.errors import GaitError, ModelError, ParameterError
+from rrrobot.models.base import Model
+from rrrobot.studies.optimisation.goals import Goal, as_goal
+from rrrobot.studies.optimisation.result import OptimisedGait, confirm
+from rrrobot.studies.optimisation.search import search
+from rrrobot.studies.optimisation.space import Space
+from rrrobot.studies.optimisation.table import GaitLimits, Table
+from rrrobot.studies.optimisation.task import TIGHT, Evaluator, Progress, Task
+
+_LEAST_BUDGET = 100
+
+
+def optimise(
+    model: Model,
+    goal: Goal | str,
+    *,
+    offset: ArrayLike = (0.0, np.pi),
+    amplitude: ArrayLike = (0.0, 0.5),
+    frequency: ArrayLike = (2.0, 14.0),
+    phase_difference: ArrayLike = (0.0, 2 * np.pi),
+    harmonics: int = 1,
+    tied: bool = False,
+    limits: GaitLimits | None = None,
+    settle_time: float = 25.0,
+    budget: int | None = None,
+    seed: int = 0,
+    progress: Progress | None = None,
+) -> OptimisedGait:
+    """The best gait for a goal, within bounds and limits.
+
+    Args:
+        model: `FullModel` or `PivotingModel` of a robot with a spherical shell on level ground.
+        goal: "fastest", "tightest", "efficient", or a `FastestTravel`, `TightestTurn`,
+            `LeastEffort` or `TargetMotion`.
+        offset, amplitude: a number, which is kept; bounds (low, high) for all legs; or bounds
+            for each (legs, 2) [rad].
+        frequency: angular, of all legs; number or bounds [rad/s].
+        phase_difference: of legs 2, 3, ... from leg 1; number, bounds, or bounds for each
+            (legs - 1, 2) [rad].
+        harmonics: 1 for sinusoids; more give Fourier gaits whose whole swing stays within the
+            largest amplitude.
+        tied: whether all legs share one offset and one amplitude.
+        limits: what the gait must respect; `GaitLimits()` unless given.
+        settle_time: simulated before the cycles that count [s]. Twice the slowest decay is too
+            short: `OptimisedGait.discrepancy` and `variation` tell.
+        budget: gaits that may be simulated, at least 100; 20 000 for each harmonic unless given.
+        seed: the same seed gives the same bits.
+        progress: called with the gaits simulated so far and the budget.
+
+    Returns:
+        the OptimisedGait; where no gait is within the limits, or a target out of reach, it is the
+        nearest, `met` is False and `shortfalls` says why.
+
+    Raises:
+        ParameterError: bounds, limits, budget or seed that are out of range; an unknown goal.
+        ModelError: a model that does not travel, or that the engine cannot run.
+        GaitError: every gait within the bounds ran into the vertical.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> model = rr.FullModel(rr.Robot.from_parameters())
+        >>> best = rr.optimise(model, rr.TargetMotion(speed=0.005, curvature=2.0), budget=2000)
+        >>> round(best.steady_state.speed, 5), round(best.steady_state.curvature, 3)
+        (0.005, 2.0)
+    """
+    goal = as_goal(goal)
+    space = Space(
+        legs_of(model), offset=offset, amplitude=amplitude, frequency=frequency,
+        phase_difference=phase_difference, harmonics=harmonics, tied=tied,
+    )  # fmt: skip
+    limits = limits or GaitLimits()
+    budget = 20_000 * harmonics if budget is None else budget
+    evaluator = prepare(model, space, limits, settle_time, budget, seed, progress)
+    task = Task(goal, limits, weight_of(model))
+    point = search(evaluator, task, np.random.default_rng(seed))
+    settings = {"settle_time": float(settle_time), "budget": int(budget), "seed": int(seed)}
+    return _result(model, evaluator, task, point, settings)
+
+
+def prepare(
+    model: Model,
+    space: Space,
+    limits: GaitLimits,
+    settle_time: float,
+    budget: int,
+    seed: int,
+    progress: Progress | None,
+) -> Evaluator:
+    """An evaluator, after checks of everything that it needs.
+
+    Raises:
+        ParameterError, ModelError: as `optimise` raises.
+    """
+    if len(model.axes) != 3:
+        raise ModelError(
+            f"the {model.name} model does not travel: optimise the full or the pivoting model."
+        )
+    if model.rolling is None and limits.friction is not None:
+        raise ModelError("the pivoting model has no friction to limit: use the full model.")
+    if not isinstance(limits, GaitLimits):
+        raise ParameterError(f"limits is {limits!r}: give GaitLimits(...).")
+    finite("settle_time", settle_time, "s", above=0.0)
+    check_whole("budget", budget, _LEAST_BUDGET)
+    check_whole("seed", seed, 0)
+    # Numba loads here, so that it costs nobody who does not use it.
+    from rrrobot.studies.optimisation.lanes import engine_of
+
+    engine = engine_of(model, float(settle_time))
+    if engine.tree.prismatic.any() and [0.0, np.pi] in space.to_dict()["offset"]:
+        raise ParameterError(
+            "a leg of this robot slides: give offset= and amplitude= in metres for it, as "
+            "(low, high) for each leg."
+        )
+    return Evaluator(engine, space, int(budget), progress)
+
+
+def legs_of(model: Model) -> int:
+    """Number of legs; raises ModelError for what is no model."""
+    if not isinstance(model, Model):
+        raise ModelError(f"model is {type(model).__name__}: give a model, as FullModel(robot).")
+    return model.n_legs
+
+
+def check_whole(name: str, value: object, least: int) -> None:
+    """Raise ParameterError unless a value is a whole number, at least the least."""
+    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not whole or value < least:  # type: ignore[operator]
+        raise ParameterError(f"{name} is {value!r}: it must be a whole number, at least {least}.")
+
+
+def weight_of(model: Model) -> float:
+    """Weight that the ground carries [N]; 0 for a pivoted model, which cannot lift off."""
+    return model.robot.mass * model.robot.gravity if model.rolling is not None else 0.0
+
+
+def _result(
+    model: Model, evaluator: Evaluator, task: Task, point: Array, settings: dict[str, Any]
+) -> OptimisedGait:
+    points, table = evaluator.archive()
+    if np.all(table.status != 0):
+        raise GaitError(
+            "every gait within the bounds tipped the robot to a pitch of 90 degrees: lower the "
+            "amplitude or keep the frequency away from the body's own oscillations."
+        )
+    gait = evaluator.space.gait(point)
+    trajectory, state, measured = confirm(model, gait, settings["settle_time"])
+    found = table.rows((points == point).all(axis=1))
+    shortfalls = _shortfalls(task, measured)
+    return OptimisedGait(
+        gait=gait,
+        goal=task.goal,
+        limits=task.limits,
+        value=float(task.goal.value(measured)[0]),
+        met=not shortfalls,
+        shortfalls=shortfalls,
+        steady_state=state,
+        measured=measured.to_dict(),
+        discrepancy=discrepancy(found, measured),
+        lift_off_time=trajectory.lift_off_time,
+        evaluations=evaluator.used,
+        history=_history(task, table),
+        search=evaluator.space.to_dict() | settings,
+        trajectory=trajectory,
+    )
+
+
+def _shortfalls(task: Task, measured: Table) -> tuple[str, ...]:
+    """What the confirming simulation says that does not hold, in words."""
+    goal = task.goal
+    slacks = task.limits.slack(measured, task.weight)
+    found = list(dict.fromkeys(text for slack, text in slacks.values() if not slack[0] >= 0))
+    if measured.speed[0] < goal.min_speed:
+        found.append(f"slower than {goal.min_speed:g} m/s")
+    misses = goal.misses(measured)
+    if misses is not None and np.linalg.norm(misses) > goal.tolerance:
+        found.append(goal.shortfall(measured))
+    return tuple(found)
+
+
+def discrepancy(found: Table, measured: Table) -> float:
+    """Largest relative difference of the two in speed, yaw rate, torque and friction."""
+    a, b = found.to_dict(), measured.to_dict()
+    scale = {"yaw_rate": max(abs(b["yaw_rate"]), b["speed"]), "friction": b["friction"]}
+    return max(
+        abs(a[key] - b[key]) / max(scale.get(key, b[key]), 1e-9)
+        for key in ("speed", "yaw_rate", "rms_torque", "friction")
+        if np.isfinite(b[key])
+    )
+
+
+def _history(task: Task, table: Table) -> Array:
+    """(evaluations, best value) wherever the best improves (k, 2)."""
+    task = task._replace(tolerance=max(task.goal.tolerance, TIGHT))
+    scores, values = task.scores(table), task.goal.value(table)
+    best = np.minimum.accumulate(scores)
+    improved = np.flatnonzero(np.diff(best, prepend=np.inf) < 0)
+    shown = np.where(task.valid(scores[improved]), values[improved], np.nan)
+    return np.column_stack((improved + 1.0, shown))

@@ -1,0 +1,230 @@
+"""What an optimiser may vary: bounds on a gait's numbers <-> points of a box <-> gaits.
+
+A family of gaits has one frequency, and for each leg k
+
+    phi_k = offset_k + amplitude_k sin(u_k) + sum over j = 2 .. harmonics of
+            sine_jk sin(j u_k) + cosine_jk cos(j u_k),    u_k = w t + phase_k,    phase_1 = 0,
+
+and where that swings farther from the offset than the upper bound of the amplitude, it is scaled
+down to it.
+
+A point of the box holds those of these numbers whose bounds differ, each scaled to 0 .. 1.
+"""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from rrrobot.checks import Array, finite
+from rrrobot.drive.gaits import FourierGait, SinusoidalGait
+from rrrobot.errors import ParameterError
+
+MAX_HARMONICS = 6
+_POINTS = 256
+
+
+class Population(NamedTuple):
+    """Gaits, one a row: phi = offset + sum over j of sine_j sin(j w t) + cosine_j cos(j w t)."""
+
+    offset: Array
+    """(n, legs) [rad]"""
+    sine: Array
+    """(n, harmonics, legs) [rad]"""
+    cosine: Array
+    """(n, harmonics, legs) [rad]"""
+    angular_frequency: Array
+    """(n,) [rad/s]"""
+
+    def motion(self) -> tuple[Array, Array, Array]:
+        """Swings, rates and accelerations through a period (n, _POINTS, legs)."""
+        harmonic = np.arange(1, self.sine.shape[1] + 1)[:, None]
+        turn = 2 * np.pi * np.arange(_POINTS) / _POINTS * harmonic
+        s, c = np.sin(turn).T, np.cos(turn).T
+        w = self.angular_frequency[:, None, None] * harmonic
+        swing, rate = s @ self.sine + c @ self.cosine, c @ (w * self.sine) - s @ (w * self.cosine)
+        return swing, rate, -(s @ (w * w * self.sine) + c @ (w * w * self.cosine))
+
+    def fastest(self) -> tuple[Array, Array]:
+        """Largest rate and acceleration of any leg, each (n,)."""
+        if self.sine.shape[1] == 1:
+            swing = np.hypot(self.sine, self.cosine).max(axis=(1, 2))
+            return swing * self.angular_frequency, swing * self.angular_frequency**2
+        _, rate, acceleration = self.motion()
+        return np.abs(rate).max(axis=(1, 2)), np.abs(acceleration).max(axis=(1, 2))
+
+    def within(self, swing: Array) -> Population:
+        """The gaits, those legs scaled down that swing more than (legs,) to a side."""
+        largest = np.abs(self.motion()[0]).max(axis=1)
+        factor = swing / np.maximum(largest, np.maximum(swing, 1e-300))
+        return self._replace(sine=self.sine * factor[:, None], cosine=self.cosine * factor[:, None])
+
+
+class Space:
+    """A box of gaits.
+
+    Args:
+        legs: of the robot.
+        offset, amplitude, phase_difference: a number, which is kept; bounds (low, high) for all
+            legs; or an array (legs, 2) of bounds for each [rad]. Phase differences are those of
+            legs 2, 3, ... from leg 1.
+        frequency: number or bounds [rad/s].
+        harmonics: 1 for sinusoids; more for Fourier gaits, whose whole swing stays within the
+            largest amplitude.
+        tied: whether all legs share one offset and one amplitude.
+
+    Attributes:
+        lower, upper: bounds of every number (m,).
+        free: indices of those that may vary (n,).
+        largest_swing: upper bounds of the amplitudes (legs,) [rad].
+
+    Raises:
+        ParameterError: bounds that are reversed, out of range, or of the wrong shape.
+    """
+
+    def __init__(
+        self,
+        legs: int,
+        *,
+        offset: ArrayLike,
+        amplitude: ArrayLike,
+        frequency: ArrayLike,
+        phase_difference: ArrayLike,
+        harmonics: int = 1,
+        tied: bool = False,
+    ) -> None:
+        if isinstance(harmonics, bool) or harmonics not in range(1, MAX_HARMONICS + 1):
+            raise ParameterError(
+                f"harmonics is {harmonics!r}: it must be a whole number from 1 to {MAX_HARMONICS}."
+            )
+        if legs < 1:
+            raise ParameterError("the robot has no legs, so there is no gait to optimise.")
+        self.legs, self.harmonics, self.tied = legs, int(harmonics), bool(tied)
+        each = 1 if tied else legs
+        swing = bounds("amplitude", amplitude, each, "rad", at_least=0.0)
+        # No harmonic of a swing within +-a is larger than a square wave's first one, 4 a / pi.
+        square = 4 / np.pi * swing[:, 1]
+        higher = np.concatenate([square / j for j in range(2, harmonics + 1)] or [np.zeros(0)])
+        first = swing.copy()
+        if harmonics > 1:
+            first[:, 1] = np.where(swing[:, 1] > swing[:, 0], square, swing[:, 1])
+        parts = {
+            "offset": bounds("offset", offset, each, "rad"),
+            "amplitude": first,
+            "phase": bounds("phase_difference", phase_difference, legs - 1, "rad"),
+            "sine": np.column_stack((-higher, higher)),
+            "cosine": np.column_stack((-higher, higher)),
+            "frequency": bounds("frequency", frequency, 1, "rad/s", at_least=0.02, at_most=200.0),
+        }
+        self._sizes = {name: len(part) for name, part in parts.items()}
+        self.lower, self.upper = np.concatenate(list(parts.values())).T
+        self.free = np.flatnonzero(self.upper > self.lower)
+        self.largest_swing = swing[:, 1] * np.ones(legs)
+        self._given = {
+            "offset": parts["offset"],
+            "amplitude": swing,
+            "phase_difference": parts["phase"],
+            "frequency": parts["frequency"],
+        }
+        start = self._sizes["offset"] + self._sizes["amplitude"]
+        phases = np.arange(start, start + self._sizes["phase"])
+        self._whole_turns = phases[(self.upper - self.lower)[phases] > 2 * np.pi - 1e-9]
+
+    @property
+    def n(self) -> int:
+        """Numbers that may vary."""
+        return self.free.size
+
+    def box(self) -> tuple[Array, Array]:
+        """Bounds of points for a local search (n,), (n,); a full turn of phase has no ends."""
+        low, high = np.zeros(self.lower.size), np.ones(self.lower.size)
+        low[self._whole_turns], high[self._whole_turns] = -1.0, 2.0
+        return low[self.free], high[self.free]
+
+    def sinusoidal(self) -> NDArray[np.bool_]:
+        """Which coordinates (n,) are not those of higher harmonics, which vanish at 0.5."""
+        at = self._sizes["offset"] + self._sizes["amplitude"] + self._sizes["phase"]
+        return np.asarray((self.free < at) | (self.free == self.lower.size - 1))
+
+    def population(self, points: Array) -> Population:
+        """Gaits of points (s, n)."""
+        values = np.tile(self.lower, (len(points), 1))
+        values[:, self.free] += points * (self.upper - self.lower)[self.free]
+        edges = np.cumsum(list(self._sizes.values()))[:-1]
+        offset, amplitude, phase, sine, cosine, omega = np.split(values, edges, axis=1)
+        s, legs, rest = len(points), self.legs, self.harmonics - 1
+        turn = np.column_stack((np.zeros(s), phase))[:, None] * np.arange(1, rest + 2)[:, None]
+        shape = (s, rest, 1 if self.tied else legs)
+        own_sine = np.zeros((s, rest + 1, legs))
+        own_cosine = own_sine.copy()
+        own_sine[:, 0] = amplitude
+        own_sine[:, 1:], own_cosine[:, 1:] = sine.reshape(shape), cosine.reshape(shape)
+        gaits = Population(
+            np.ascontiguousarray(offset * np.ones(legs)),
+            own_sine * np.cos(turn) - own_cosine * np.sin(turn),
+            own_sine * np.sin(turn) + own_cosine * np.cos(turn),
+            omega[:, 0].copy(),
+        )
+        return gaits.within(self.largest_swing) if rest else gaits
+
+    def gait(self, point: Array) -> SinusoidalGait | FourierGait:
+        """The gait of one point (n,)."""
+        gaits = self.population(point[None])
+        offset, omega = gaits.offset[0], float(gaits.angular_frequency[0])
+        sine, cosine = gaits.sine[0], gaits.cosine[0]
+        if self.harmonics > 1:
+            return FourierGait(offset=offset, cosine=cosine, sine=sine, angular_frequency=omega)
+        return SinusoidalGait(
+            offset=offset,
+            amplitude=np.hypot(sine[0], cosine[0]),
+            angular_frequency=omega,
+            phase=np.arctan2(cosine[0], sine[0]) % (2 * np.pi),
+        )
+
+    def to_dict(self) -> dict[str, Any]:
+        """Bounds as plain data."""
+        named = {name: pairs.tolist() for name, pairs in self._given.items()}
+        return named | {"harmonics": self.harmonics, "tied": self.tied}
+
+
+def bounds(
+    name: str,
+    value: ArrayLike,
+    n: int,
+    unit: str,
+    *,
+    at_least: float | None = None,
+    at_most: float | None = None,
+) -> Array:
+    """Bounds (n, 2) from a number, which is kept, a pair for all, or one pair for each.
+
+    Raises:
+        ParameterError: with the name, the value and the rule.
+    """
+    each = f", or {n} such pairs" if n > 1 else ""
+    rule = f"it must be one number, which is kept, or bounds (low, high){each} [{unit}]"
+    try:
+        array = np.asarray(value)
+        if array.dtype.kind not in "iuf":
+            raise TypeError
+        array = array.astype(float)
+    except (TypeError, ValueError):
+        raise ParameterError(f"{name} is {value!r}: {rule}.") from None
+    if array.ndim == 0:
+        array = np.full((n, 2), float(array))
+    elif array.shape == (2,):
+        array = np.tile(array, (n, 1))
+    if array.shape != (n, 2):
+        raise ParameterError(f"{name} has shape {array.shape}: {rule}.")
+    for low, high in array.tolist():
+        finite(f"lower bound of {name}", low, unit, at_least=at_least)
+        finite(f"upper bound of {name}", high, unit)
+        if at_most is not None and high > at_most:
+            raise ParameterError(f"{name} is up to {high:g} {unit}: the most is {at_most:g}.")
+        if high < low:
+            raise ParameterError(
+                f"{name} has the bounds {low:g} and {high:g} {unit}: the lower one comes first."
+            )
+    return array

@@ -1,0 +1,145 @@
+"""A goal, limits and a budget over a box of gaits: what a gait scores, and what is known so far.
+
+Scores order gaits by Deb's rules: valid ones by their objective, behind them those that miss a
+target by how far, behind them those outside the limits by how much.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from rrrobot.checks import Array
+from rrrobot.studies.optimisation.goals import Goal
+from rrrobot.studies.optimisation.space import Population, Space
+from rrrobot.studies.optimisation.table import GaitLimits, Table
+
+Progress = Callable[[int, int], None]
+"""Called with the gaits simulated so far and the budget."""
+
+TIGHT = 1e-5
+"""Relative distance from a target that a polish must reach."""
+
+_MISSED, _INVALID, _STOPPED = 1e6, 1e9, 1e15
+_EXACT = ("max_variation",)
+_ROUNDING = 1e-12
+_MARGIN = 2e-3
+"""Distance that gaits keep from limits but those."""
+
+
+class Spent(Exception):
+    """The budget does not allow another batch."""
+
+
+class Evaluator:
+    """Counts and keeps what is simulated.
+
+    Args:
+        engine: population -> results.
+        space: the box of gaits.
+        budget: gaits that may be simulated in all; `allowed` of them now.
+        progress: see `Progress`.
+    """
+
+    def __init__(
+        self,
+        engine: Callable[[Population], Array],
+        space: Space,
+        budget: int,
+        progress: Progress | None = None,
+    ) -> None:
+        self.engine, self.space, self.progress = engine, space, progress
+        self.budget = self.allowed = budget
+        self.used = 0
+        self._points: list[Array] = []
+        self._tables: list[Table] = []
+
+    def __call__(self, points: Array) -> Table:
+        """Results of points (n, space.n).
+
+        Raises:
+            Spent: there is no budget for them.
+        """
+        if self.used + len(points) > self.allowed:
+            raise Spent
+        gaits = self.space.population(points)
+        table = Table(self.engine(gaits), *gaits.fastest())
+        self.used += len(points)
+        self._points.append(points.copy())
+        self._tables.append(table)
+        if self.progress is not None:
+            self.progress(self.used, self.budget)
+        return table
+
+    def archive(self) -> tuple[Array, Table]:
+        """All points and their results, in the order in which they were simulated."""
+        self._points = [np.concatenate(self._points)]
+        self._tables = [Table.joined(self._tables)]
+        return self._points[0], self._tables[0]
+
+
+class Task(NamedTuple):
+    """What is wanted of a gait."""
+
+    goal: Goal
+    limits: GaitLimits
+    weight: float
+    """of the robot [N]; 0 for a pivoted model, which has no ground to lift off from"""
+    tolerance: float = 0.02
+    """of targets, relative, in a score"""
+
+    def slacks(self, table: Table, margin: float = _MARGIN) -> dict[str, Array]:
+        """How far inside each limit the gaits are (n,), of order one."""
+        found = {
+            name: slack - margin * (name not in _EXACT)
+            for name, (slack, _) in self.limits.slack(table, self.weight).items()
+        }
+        if self.goal.min_speed > 0:
+            found["min_speed"] = table.speed / self.goal.min_speed - 1.0 - 0.05 * margin
+        return found
+
+    def scores(self, table: Table) -> Array:
+        """Lower is better (n,)."""
+        violation = np.zeros(table.speed.shape)
+        for slack in self.slacks(table).values():
+            violation += np.maximum(0.0, -slack - _ROUNDING)
+        misses = self.goal.misses(table)
+        miss = np.zeros(table.speed.shape) if misses is None else np.linalg.norm(misses, axis=1)
+        score = np.where(miss > self.tolerance, _MISSED + miss, self.goal.objective(table))
+        score = np.where(violation > 0, _INVALID * (1 + violation) + miss, score)
+        return np.where(np.isfinite(score) & (table.status == 0), score, _STOPPED)
+
+    def reached(self, table: Table) -> bool:
+        """Whether any gait of a table is valid."""
+        return bool(self.valid(self.scores(table)).any())
+
+    def valid(self, scores: Array) -> Array:
+        """Whether scores are those of gaits within the limits, with a target reached (n,)."""
+        return np.asarray(scores < _MISSED)
+
+
+def best_score(evaluator: Evaluator, task: Task) -> float:
+    """The lowest score so far."""
+    return float(task.scores(evaluator.archive()[1]).min())
+
+
+def best_point(evaluator: Evaluator, task: Task) -> Array:
+    """The point of the lowest score so far (n,)."""
+    points, table = evaluator.archive()
+    return points[np.argmin(task.scores(table))]
+
+
+def best_points(points: Array, scores: Array, count: int, distance: float = 0.1) -> list[Array]:
+    """The best points (n,) that are at least a distance per axis apart; none that stopped."""
+    chosen: list[Array] = []
+    apart = distance * np.sqrt(points.shape[1])
+    for i in np.argsort(scores, kind="stable"):
+        if scores[i] < _STOPPED and all(
+            np.linalg.norm(points[i] - other) > apart for other in chosen
+        ):
+            chosen.append(points[i])
+        if len(chosen) == count:
+            break
+    return chosen

@@ -1,0 +1,1 @@
+"""Sweeps over gaits and robot parameters."""

@@ -1,0 +1,209 @@
+"""Sweeps: grids or lists of gaits, and of robots -> one labelled dataset of steady states.
+
+The gaits phi_k(t) = offset_k + amplitude_k sin(omega t + phase_k) of a sweep are numbered. Chunks
+of them are made, simulated by the momentum engine on threads or on any executor, and stored. A
+gait's result depends on nothing but the gait, so neither the chunks nor who computes them change
+a bit of it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import os
+import warnings
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Executor, ThreadPoolExecutor
+from contextlib import ExitStack
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rrrobot.checks import Array
+from rrrobot.drive.gaits import SinusoidalGait
+from rrrobot.errors import GroundClearanceWarning, ParameterError
+from rrrobot.robot.parameters import RRRobotParameters
+from rrrobot.simulation.run import versions
+from rrrobot.studies.sweeps.job import Job
+from rrrobot.studies.sweeps.plan import Grid, Plan, run_settings, whole
+from rrrobot.studies.sweeps.progress import progress_of
+from rrrobot.studies.sweeps.store import Layout, ResultsFile
+from rrrobot.studies.sweeps.variants import DecoupledModels, Swept, Variants, engine_of
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+AMPLITUDE, ANGULAR_FREQUENCY = 0.3, 8.0
+"""The paper's, where a sweep names no other [rad], [rad/s]."""
+LARGEST = 50_000_000
+"""Most gaits of a sweep; their results take 7 GB."""
+_CHUNK = 4096
+_LANES = 16
+"""Gaits that the engine takes at once: chunks are multiples of it."""
+_IN_FLIGHT = 32
+"""Chunks that an executor is given at once, so that a long queue takes no memory."""
+
+
+def sweep(
+    model: Swept,
+    *,
+    offset: Grid | None = None,
+    phase_difference: Grid | None = None,
+    phase: Grid | None = None,
+    amplitude: Grid | None = None,
+    angular_frequency: Grid | None = None,
+    yaw_amplitude: float | xr.DataArray | None = None,
+    points: Mapping[str, ArrayLike] | Sequence[SinusoidalGait] | None = None,
+    parameters: Mapping[str, ArrayLike] | None = None,
+    cycles: int = 38,
+    counted: int | None = None,
+    steps_per_cycle: int = 10,
+    store: str | Path | None = None,
+    resume: bool = True,
+    chunk: int | None = None,
+    executor: Executor | None = None,
+    threads: int | None = None,
+    loads: bool = False,
+    progress: bool | Callable[[int, int], None] | None = None,
+) -> xr.Dataset:
+    """Steady states of a model under all gaits of a grid, or under a list of gaits.
+
+    Each of the first five arguments is a number, a grid for all legs (a list or an array), or one
+    number or grid for each leg (a tuple, or a mapping from joint names). Every grid becomes a
+    dimension of the result, every number a coordinate.
+
+    Args:
+        model: any of the five models, or `DecoupledModels`, on a spherical shell and level
+            ground.
+        offset: centre of the legs' swing [rad].
+        phase_difference: by which leg 2 leads leg 1, on robots with two legs [rad]; pi/2 unless
+            given.
+        phase: of each leg instead, on any robot [rad]; 0 unless given.
+        amplitude: of the swing [rad]; 0.3 unless given.
+        angular_frequency: of all legs [rad/s]; 8 unless given.
+        yaw_amplitude: of the legs in the yaw model alone of `DecoupledModels`, the paper's Fig 20
+            [rad]: a number, or a DataArray over some of the gaits' dimensions, such as
+            `figures.maps.amplitude_modulation` gives; where it is NaN, as the other models'.
+        points: gaits instead of a grid: `SinusoidalGait`s, or a mapping from the names above to
+            arrays (n,) or, one column a leg, (n, legs). What it does not name may still be a grid.
+        parameters: grids of `RRRobotParameters` by name, for the model of a robot that
+            `Robot.from_parameters` made; the model is made anew for each value.
+        cycles: simulated, from an upright impulsive start; 38 last 30 s at 8 rad/s.
+        counted: cycles at the end over which means are taken; those in the second half unless
+            given, as `Trajectory.steady_state` has it: the last 18 of 38.
+        steps_per_cycle: of the fixed-step DOP853; 10 give the speed to 3e-7 on RRRobot.
+        store: a netCDF file (.nc) that takes each chunk as it is finished. If it is there, what
+            it holds of this sweep is not computed again.
+        resume: False: replace that file.
+        chunk: gaits computed at once; by default enough to keep every thread busy, at most 4096.
+        executor: runs the chunks: threads, processes, or a Dask cluster's
+            `Client.get_executor()`.
+        threads: of our own, without an executor; one for each usable core unless given.
+        loads: whether to have `sweep_store.LOADS` too: `peak_torque`, `rms_torque`, `power` of the
+            motors and the `friction` that the contact needs, all of the last cycle. NaN where they
+            mean nothing: all for `DecoupledModels`, friction for pivoted models. 10 steps a cycle
+            give torques and friction to 1e-3 at worst on RRRobot (2e-5 in the middle), 20 to 1e-6.
+        progress: a bar on stderr with rate and time left (True), none (False), one if stderr is a
+            terminal (None), or a function called with (gaits done, gaits in all).
+
+    Returns:
+        a Dataset with the variables of `sweep_store.VARIABLES` and `status`, which says why a gait
+        was stopped (its results are NaN). Each variable's attributes hold its unit, the dataset's
+        the model, the robot and the versions as JSON.
+
+    Raises:
+        ParameterError: a grid that is empty or not finite, a wrong number of legs, other numbers
+            out of range.
+        ModelError: a model that the engine does not know.
+        OutputError: the store is another sweep's, or cannot be written.
+        SweepInterrupted: Ctrl-C.
+
+    Warns:
+        GroundClearanceWarning: a gait swings a leg through the ground, `clearance` <= 0.
+
+    Example:
+        >>> import numpy as np, rrrobot as rr
+        >>> model = rr.FullModel(rr.Robot.from_parameters())
+        >>> ds = rr.sweep(model, offset=[np.pi / 4, np.pi / 2], phase_difference=[np.pi / 2])
+        >>> dict(ds.sizes), round(float(ds.speed[1, 0]), 6)
+        ({'offset': 2, 'phase_difference': 1}, 0.009656)
+    """
+    engine_of(model)
+    if not isinstance(loads, bool):
+        raise ParameterError(f"loads is {loads!r}: it must be True or False.")
+    run = run_settings(cycles, counted, steps_per_cycle) | {"loads": loads}
+    threads = _cores() if threads is None else whole("threads", threads, at_least=1)
+    plan = Plan(model.robot.legs)
+    plan.add_parameters(parameters or {})
+    if points is not None:
+        plan.add_points(points)
+    plan.add("offset", offset)
+    plan.add_phases(phase_difference, phase)
+    plan.add("amplitude", amplitude, AMPLITUDE)
+    plan.add("angular_frequency", angular_frequency, ANGULAR_FREQUENCY)
+    if yaw_amplitude is not None:
+        if not isinstance(model, DecoupledModels):
+            raise ParameterError("yaw_amplitude is for DecoupledModels: leave it out.")
+        plan.add_yaw_amplitude(yaw_amplitude)
+    variants = Variants(model, {name: plan.coords[name][1] for name in parameters or {}})
+    layout = Layout(plan.sizes, plan.coords, _attrs(model, variants.base, run))
+    if layout.size > LARGEST:
+        raise ParameterError(
+            f"the sweep has {layout.size} gaits, the limit is {LARGEST}: make the grids coarser, "
+            "or sweep in parts."
+        )
+    if chunk is None:
+        chunk = min(_CHUNK, _LANES * math.ceil(layout.size / (4 * threads * _LANES)))
+    chunk = whole("chunk", chunk, at_least=1)
+    with ExitStack() as stack:
+        file = None
+        if store is not None:
+            file = stack.enter_context(ResultsFile(store, layout, resume=resume))
+        job = Job(plan, variants, run, layout, file)
+        what = f"{model.name} model"
+        try:
+            with progress_of(progress, what, layout.size, job.done) as tell:
+                if executor is None:
+                    with ThreadPoolExecutor(threads) as pool:
+                        job.compute(pool, chunk, tell, threads + 1)
+                else:
+                    job.compute(executor, chunk, tell, _IN_FLIGHT)
+        except KeyboardInterrupt:
+            raise job.interrupted() from None
+    _warn_of_ground(job.columns["clearance"])
+    return layout.dataset(job.columns)
+
+
+def _warn_of_ground(heights: Array) -> None:
+    touching = np.count_nonzero(heights <= 0)
+    if touching:
+        warnings.warn(
+            f"{touching} of {heights.size} gaits swing a leg through the ground, which the models "
+            "know nothing of; their 'clearance' is zero or less.",
+            GroundClearanceWarning,
+            stacklevel=3,
+        )
+
+
+def _attrs(model: Swept, base: RRRobotParameters | None, run: dict[str, int]) -> dict[str, Any]:
+    """What a dataset says of itself."""
+    from llvmlite import binding  # type: ignore[import-untyped, unused-ignore]
+
+    used = versions() | {name: version(name) for name in ("numba", "xarray")}
+    return {
+        "title": f"steady states of gaits: {model.name} model of {model.robot.name}",
+        "Conventions": "CF-1.8",
+        "model": json.dumps(model.to_dict()),
+        "parameters": json.dumps(None if base is None else base.to_dict()),
+        "robot": json.dumps(model.robot.to_dict()),
+        **{name: int(value) for name, value in run.items()},
+        "versions": json.dumps(used | {"cpu": binding.get_host_cpu_name()}),
+    }
+
+
+def _cores() -> int:
+    usable = getattr(os, "sched_getaffinity", None)
+    return len(usable(0)) if usable else os.cpu_count() or 1

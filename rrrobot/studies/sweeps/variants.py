@@ -1,0 +1,215 @@
+"""What a sweep simulates: models, their engine, and the models of other robots.
+
+`DecoupledModels` stands for the recombined single-axis models, `Variants` for a model with each
+combination of the swept robot parameters.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Protocol
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rrrobot.checks import Array
+from rrrobot.contact.surfaces import Sphere
+from rrrobot.errors import GroundClearanceWarning, ModelError, ParameterError
+from rrrobot.models.base import Model
+from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
+from rrrobot.robot.parameters import RRRobotParameters
+from rrrobot.robot.reader import parse_urdf
+from rrrobot.robot.robot import Robot
+from rrrobot.robot.urdf import LEGS
+
+if TYPE_CHECKING:
+    from rrrobot.momentum.batch import Gaits
+
+
+@dataclass(frozen=True)
+class DecoupledModels:
+    """The single-axis models of one robot, recombined by rolling, as `rr.decoupled` does.
+
+    Args:
+        robot: with a spherical shell about the root link's origin, on level ground.
+        roll, pitch, yaw: the models, with other dampings than the paper's.
+
+    Raises:
+        ModelError: the robot has another shell or ground, or a model is of another robot.
+
+    Example:
+        >>> import numpy as np, rrrobot as rr
+        >>> from rrrobot.studies.sweeps.variants import DecoupledModels
+        >>> models = DecoupledModels(rr.Robot.from_parameters())
+        >>> round(float(rr.sweep(models, offset=np.pi / 4).yaw_rate), 5)
+        0.01355
+    """
+
+    robot: Robot
+    roll: RollModel | None = None
+    pitch: PitchModel | None = None
+    yaw: YawModel | None = None
+    name = "decoupled"
+
+    def __post_init__(self) -> None:
+        for kind, cls in (("roll", RollModel), ("pitch", PitchModel), ("yaw", YawModel)):
+            model = getattr(self, kind)
+            if model is None:
+                model = cls(self.robot)
+                object.__setattr__(self, kind, model)
+            if not isinstance(model, cls) or model.robot != self.robot:
+                raise ModelError(f"{kind} is {model!r}: it must be a {cls.__name__} of the robot.")
+
+    @property
+    def models(self) -> tuple[RollModel, PitchModel, YawModel]:
+        """The roll, the pitch and the yaw model."""
+        return self.roll, self.pitch, self.yaw  # type: ignore[return-value]
+
+    def to_dict(self) -> dict[str, Any]:
+        """What the models are, as plain data for metadata."""
+        return {"name": self.name} | {model.name: model.to_dict() for model in self.models}
+
+
+Swept = Model | DecoupledModels
+
+
+class Engine(Protocol):
+    """Computes steady states: the columns `RESULT` of `momentum.batch`, then `LOADS` if asked."""
+
+    def __call__(
+        self,
+        setting: Any,
+        gaits: Gaits,
+        *,
+        cycles: int,
+        counted: int,
+        steps_per_cycle: int,
+        yaw_amplitude: Array | None = None,
+        loads: bool = False,
+    ) -> Array: ...
+
+
+def engine_of(model: Swept) -> tuple[Engine, Any]:
+    """The engine of a model, and the model in its terms.
+
+    Raises:
+        ModelError: there is none.
+    """
+    from rrrobot.momentum.batch import decoupled_setting, setting_of, steady_states
+
+    if isinstance(model, DecoupledModels):
+        return steady_states, decoupled_setting(model.robot, *model.models)
+    if not isinstance(model, Model):
+        raise ModelError(
+            f"model is {model!r}: it must be a model, such as FullModel(robot), or DecoupledModels."
+        )
+    return steady_states, setting_of(model)
+
+
+def remade(model: Swept, robot: Robot) -> Swept:
+    """The same model of another robot."""
+    if isinstance(model, DecoupledModels):
+        return DecoupledModels(robot, *(remade(part, robot) for part in model.models))  # type: ignore[arg-type]
+    return type(model)(robot, damping=model.damping)  # type: ignore[call-arg]
+
+
+class Variants:
+    """The model with each combination of the swept parameters.
+
+    Attributes:
+        base: the robot's own parameters; None if it is no RRRobot.
+    """
+
+    def __init__(self, model: Swept, grids: Mapping[str, ArrayLike]) -> None:
+        self._model = model
+        self._grids = {name: np.atleast_1d(np.asarray(grid)) for name, grid in grids.items()}
+        self._last: tuple[int, tuple[Engine, Any, Robot]] | None = None
+        self.base = parameters_of(model.robot)
+        if grids and self.base is None:
+            raise ParameterError(
+                f"parameters= are RRRobot's, and the model's robot is {model.robot!r}: make it "
+                "with Robot.from_parameters."
+            )
+        for name, values in self._grids.items():
+            for value in values.tolist():
+                self._parameters({name: value})
+
+    def at(self, number: int) -> tuple[Engine, Any, Robot]:
+        """Engine, setting and robot of a combination."""
+        if self._last is None or self._last[0] != number:
+            model = self._model
+            if self._grids:
+                shape = tuple(grid.size for grid in self._grids.values())
+                place = np.unravel_index(number, shape)
+                pairs = zip(self._grids.items(), place, strict=True)
+                values = {name: float(grid[i]) for (name, grid), i in pairs}
+                model = remade(model, Robot.from_parameters(self._parameters(values)))
+            self._last = number, (*engine_of(model), model.robot)
+        return self._last[1]
+
+    def _parameters(self, values: dict[str, Any]) -> RRRobotParameters:
+        with warnings.catch_warnings():
+            # What counts is whether a gait swings a leg through the ground.
+            warnings.simplefilter("ignore", GroundClearanceWarning)
+            return replace(self.base or RRRobotParameters(), **values)
+
+
+def parameters_of(robot: Robot) -> RRRobotParameters | None:
+    """Parameters of a robot that `Robot.from_parameters` made; None of another."""
+    root = parse_urdf(robot.urdf)
+    links = {element.get("name"): element for element in root.iter("link")}
+    joints = {element.get("name"): element for element in root.iter("joint")}
+
+    def number(element: Any, path: str, key: str, entry: int = 0) -> float:
+        return float(element.find(path).get(key).split()[entry])
+
+    def both(names: Sequence[str], path: str, key: str) -> Any:
+        one, two = (number(links[name], path, key) for name in names)
+        return one if one == two else (one, two)
+
+    try:
+        tips, servos = [f"{leg}_link" for leg in LEGS], ("servo_1", "servo_2")
+        values = {
+            "leg_mass": both(tips, "inertial/mass", "value"),
+            "servo_mass": both(servos, "inertial/mass", "value"),
+            "battery_mass": number(links["battery"], "inertial/mass", "value"),
+            "shell_radius": robot.shell.radius,  # type: ignore[attr-defined]
+            "leg_length": both(tips, "inertial/origin", "xyz"),
+            "hip_offset": number(joints[LEGS[1]], "origin", "xyz", 1),
+            "gravity": robot.gravity,
+        }
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", GroundClearanceWarning)
+            found = RRRobotParameters(**values)
+        same = Robot.from_parameters(found, ground_normal=robot.ground_normal) == robot
+    except (KeyError, AttributeError, IndexError, ValueError):
+        return None
+    return found if same else None
+
+
+def clearance(robot: Robot, gaits: Gaits) -> Array:
+    """Least height of the legs' centres of mass over the ground in a swing (n,) [m].
+
+    The body is upright. On RRRobot these are the leg tips, at r + l sin(phi). NaN where a leg hangs
+    on another leg, or a joint slides.
+    """
+    from rrrobot.momentum.coefficients import tree_of
+
+    tree, lowest = tree_of(robot), np.full(len(gaits.offset), np.inf)
+    if not isinstance(robot.shell, Sphere) or tree.parent[1:].any() or tree.prismatic.any():
+        return np.full_like(lowest, np.nan)
+    for i in range(1, tree.mass.size):
+        # Rodrigues' formula: the height is fixed + c cos(phi) + s sin(phi).
+        up, axis, lever = tree.rotation[i, 2], tree.axis[i], tree.lever[i]
+        along = axis * (axis @ lever)
+        c, s = up @ (lever - along), up @ np.cross(axis, lever)
+        fixed = tree.translation[0, 2] + tree.translation[i, 2] + up @ along
+        # From the lowest angle to the swing's centre, and to the nearest angle of the swing.
+        turn = gaits.offset[:, tree.leg[i]] - math.atan2(-s, -c)
+        away = np.abs((turn + np.pi) % (2 * np.pi) - np.pi)
+        nearest = np.maximum(away - np.abs(gaits.amplitude[:, tree.leg[i]]), 0.0)
+        lowest = np.minimum(lowest, fixed - math.hypot(c, s) * np.cos(nearest))
+    return robot.shell.radius + lowest

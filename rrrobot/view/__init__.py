@@ -1,0 +1,1 @@
+"""Robot, ground and path in the browser."""

@@ -1,0 +1,263 @@
+"""What a robot looks like: its URDF's visuals and its shell, as three.js geometries.
+
+Each visual is placed in the frame of the Pinocchio joint that carries it, on the robot's own
+model, so that joints held still stay where they are held. A shell that the URDF does not draw is
+drawn from its support function: translucent, with three bands that show its rotation.
+"""
+
+from __future__ import annotations
+
+import math
+import warnings
+import xml.etree.ElementTree as ET
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import pinocchio as pin
+
+from rrrobot.checks import Array
+from rrrobot.contact.surfaces import Sphere, Surface
+from rrrobot.errors import UrdfError
+from rrrobot.robot.reader import parse_urdf
+from rrrobot.robot.robot import Robot
+from rrrobot.view.commands import Colour, Geometry, mesh
+
+BAND_COLOURS: tuple[Colour, ...] = ((0.84, 0.37, 0.0), (0.0, 0.45, 0.7), (0.25, 0.25, 0.25))
+SHELL_COLOUR: Colour = (0.93, 0.91, 0.86, 0.4)
+_DEFAULT_COLOUR: Colour = (0.72, 0.74, 0.77, 1.0)
+_MESHES = (".stl", ".obj", ".dae")
+
+# three.js has a cylinder's axis along y, URDF along z.
+_Y_TO_Z = pin.SE3(pin.rpy.rpyToMatrix(math.pi / 2, 0, 0), np.zeros(3))
+
+
+class Visual(NamedTuple):
+    """A coloured shape that moves with a joint.
+
+    Attributes:
+        name: of its link.
+        joint: index of the joint in the robot's Pinocchio model.
+        placement: in the joint's frame.
+        geometry: three.js geometry.
+        colour: red, green, blue and maybe opacity, 0..1.
+        reach: distance of its farthest point from the placement's origin [m].
+        flat: whether each triangle is shaded by itself, as the edges of a mesh demand.
+    """
+
+    name: str
+    joint: int
+    placement: pin.SE3
+    geometry: Geometry
+    colour: Colour
+    reach: float
+    flat: bool = False
+
+
+def robot_visuals(robot: Robot) -> list[Visual]:
+    """Visuals of the URDF, and the shell where the URDF does not draw it.
+
+    Warns:
+        UserWarning: meshes that are missing or unreadable are left out; one warning names them.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> from rrrobot.view.shapes import robot_visuals
+        >>> sorted({visual.name for visual in robot_visuals(rr.Robot.from_parameters())})
+        ['battery', 'leg_1_link', 'leg_2_link', 'servo_1', 'servo_2', 'shell']
+    """
+    tree = parse_urdf(robot.urdf)
+    materials = {str(m.get("name")): m for m in tree.findall("material")}
+    meshes: _Meshes = {}
+    visuals, missing = [], []
+    for link in tree.findall("link"):
+        name = str(link.get("name"))
+        frame = robot.model.frames[robot.model.getFrameId(name, pin.FrameType.BODY)]
+        for element in link.findall("visual"):
+            try:
+                shape = _shape(element, robot.package_dirs, meshes)
+            except _MeshError as error:
+                missing.append(str(error))
+                continue
+            if shape is not None:
+                geometry, reach, turn, flat = shape
+                at = frame.placement * _origin(element) * turn
+                colour = _colour(element, materials)
+                visuals.append(Visual(name, frame.parentJoint, at, geometry, colour, reach, flat))
+    if missing:
+        listed = "; ".join(dict.fromkeys(missing))
+        warnings.warn(f"the viewer leaves out meshes of {robot.name}: {listed}.", stacklevel=2)
+    if not any(_is_shell(visual, robot) for visual in visuals):
+        visuals += shell_visuals(robot)
+    return visuals
+
+
+def shell_visuals(robot: Robot) -> list[Visual]:
+    """A translucent shell with a band around each of its three axes."""
+    place, shell = robot.shell_placement, robot.shell
+    latitude, longitude = np.linspace(-math.pi / 2, math.pi / 2, 33), _turn(64)
+    reach = max(float(np.linalg.norm(shell.contact(u))) for u in np.vstack((np.eye(3), -np.eye(3))))
+    body = _round_mesh(shell, latitude, longitude, np.eye(3))
+    visuals = [Visual("shell", 1, place, body, SHELL_COLOUR, reach)]
+    for i, colour in enumerate(BAND_COLOURS):
+        axes = np.roll(np.eye(3), i + 1, axis=1)
+        band = _round_mesh(shell, np.array((-0.05, 0.0, 0.05)), longitude, axes, 1.004 + 0.002 * i)
+        visuals.append(Visual(f"band_{'xyz'[i]}", 1, place, band, colour, reach))
+    return visuals
+
+
+class _MeshError(Exception):
+    """A mesh that cannot be drawn, and why."""
+
+
+_Shape = tuple[Geometry, float, pin.SE3, bool]
+_Meshes = dict[tuple[Path, tuple[float, ...]], _Shape]
+
+
+def _shape(visual: ET.Element, package_dirs: tuple[str, ...], meshes: _Meshes) -> _Shape | None:
+    """Geometry, reach, placement in the visual's frame, flat; None for an empty visual.
+
+    `meshes` keeps each file that was read: legs are often alike.
+    """
+    still = pin.SE3.Identity()
+    for shape in visual.findall("geometry/*"):
+        if shape.tag == "box":
+            x, y, z = _numbers(shape, "size", 3)
+            box = {"type": "BoxGeometry", "width": x, "height": y, "depth": z}
+            return box, math.hypot(x, y, z) / 2, still, False
+        if shape.tag == "sphere":
+            (r,) = _numbers(shape, "radius", 1)
+            ball = {"type": "SphereGeometry", "radius": r}
+            return {**ball, "widthSegments": 64, "heightSegments": 40}, r, still, False
+        if shape.tag == "cylinder":
+            (r,), (length,) = _numbers(shape, "radius", 1), _numbers(shape, "length", 1)
+            rod = {"type": "CylinderGeometry", "radiusTop": r, "radiusBottom": r}
+            rod |= {"height": length, "radialSegments": 64}
+            return rod, math.hypot(r, length / 2), _Y_TO_Z, False
+        if shape.tag == "capsule":
+            (r,), (length,) = _numbers(shape, "radius", 1), _numbers(shape, "length", 1)
+            return _capsule(r, length), r + length / 2, still, False
+        if shape.tag == "mesh":
+            return _mesh_file(shape, package_dirs, meshes)
+    return None
+
+
+def _capsule(radius: float, length: float) -> Geometry:
+    half = np.linspace(0, math.pi / 2, 9)
+    latitude = np.concatenate((-half[::-1], half))
+    points = radius * _directions(latitude, _turn(32))
+    points[:9, :, 2] -= length / 2
+    points[9:, :, 2] += length / 2
+    return _lattice(points)
+
+
+def _mesh_file(shape: ET.Element, package_dirs: tuple[str, ...], meshes: _Meshes) -> _Shape:
+    name = shape.get("filename", "")
+    path = _find(name, package_dirs)
+    scale = tuple(_numbers(shape, "scale", 3)) if shape.get("scale") else (1.0, 1.0, 1.0)
+    if (path, scale) not in meshes:
+        try:
+            meshes[path, scale] = _read_mesh(path, np.array(scale))
+        except (ValueError, RuntimeError) as error:
+            raise _MeshError(f"{name!r} cannot be read ({error})") from None
+    return meshes[path, scale]
+
+
+def _read_mesh(path: Path, scale: Array) -> _Shape:
+    import coal
+
+    loaded = coal.MeshLoader().load(str(path), scale)
+    vertices = np.array(loaded.vertices(), dtype=float).reshape(-1, 3)
+    corners = (loaded.tri_indices(i) for i in range(loaded.num_tris))
+    faces = np.array([(f[0], f[1], f[2]) for f in corners]).reshape(-1, 3)
+    if not faces.size:
+        raise ValueError("it has no triangles")
+    reach = float(np.linalg.norm(vertices, axis=1).max())
+    return mesh(vertices, faces), reach, pin.SE3.Identity(), True
+
+
+def _find(name: str, package_dirs: tuple[str, ...]) -> Path:
+    """Path of a mesh named in a URDF."""
+    if not name.lower().endswith(_MESHES):
+        raise _MeshError(f"{name!r} is none of {', '.join(_MESHES)}")
+    bare = name.split("://", 1)[-1]
+    paths = [Path(folder, bare) for folder in package_dirs]
+    if not name.startswith("package:"):
+        paths.insert(0, Path(bare))
+    for path in paths:
+        if path.is_file():
+            return path
+    raise _MeshError(f"{name!r} is not found (package_dirs: {', '.join(package_dirs) or 'none'})")
+
+
+def _numbers(element: ET.Element, name: str, count: int) -> list[float]:
+    text = element.get(name, "")
+    try:
+        numbers = [float(word) for word in text.split()]
+    except ValueError:
+        numbers = []
+    if len(numbers) != count or not all(map(math.isfinite, numbers)):
+        raise UrdfError(
+            f"<{element.tag} {name}={text!r}> of a visual must be {count} finite "
+            f"number{'s' * (count > 1)}."
+        )
+    return numbers
+
+
+def _origin(visual: ET.Element) -> pin.SE3:
+    origin = visual.find("origin")
+    if origin is None:
+        return pin.SE3.Identity()
+    xyz = _numbers(origin, "xyz", 3) if origin.get("xyz") else [0.0] * 3
+    rpy = _numbers(origin, "rpy", 3) if origin.get("rpy") else [0.0] * 3
+    return pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array(xyz))
+
+
+def _colour(visual: ET.Element, materials: dict[str, ET.Element]) -> Colour:
+    material = visual.find("material")
+    if material is None:
+        return _DEFAULT_COLOUR
+    colour = material.find("color")
+    if colour is None and material.get("name") in materials:
+        colour = materials[str(material.get("name"))].find("color")
+    if colour is None:
+        return _DEFAULT_COLOUR
+    return tuple(min(max(part, 0.0), 1.0) for part in _numbers(colour, "rgba", 4))
+
+
+def _is_shell(visual: Visual, robot: Robot) -> bool:
+    """Whether a visual of the root link is the shell itself."""
+    if not isinstance(robot.shell, Sphere) or visual.geometry["type"] != "SphereGeometry":
+        return False
+    r = robot.shell.radius
+    offset = np.linalg.norm(visual.placement.translation - robot.shell_placement.translation)
+    return visual.joint == 1 and abs(visual.reach - r) < 0.02 * r and bool(offset < 0.02 * r)
+
+
+def _turn(count: int) -> Array:
+    return np.linspace(0, 2 * math.pi, count + 1)
+
+
+def _directions(latitude: Array, longitude: Array) -> Array:
+    """Unit vectors (latitudes, longitudes, 3) about z."""
+    up, round_ = np.meshgrid(latitude, longitude, indexing="ij")
+    flat = np.cos(up)
+    return np.stack((flat * np.cos(round_), flat * np.sin(round_), np.sin(up)), axis=-1)
+
+
+def _round_mesh(
+    shell: Surface, latitude: Array, longitude: Array, axes: Array, scale: float = 1.0
+) -> Geometry:
+    """Part of a shell: its points whose normals are directions about the third of the axes."""
+    normals = _directions(latitude, longitude) @ axes.T
+    points = np.array([[shell.contact(u) for u in row] for row in normals])
+    return _lattice(scale * points)
+
+
+def _lattice(points: Array) -> Geometry:
+    """Triangles between neighbours of a lattice of points (m, n, 3)."""
+    m, n, _ = points.shape
+    corner = (np.arange(m - 1)[:, None] * n + np.arange(n - 1)).ravel()
+    a, b, c, d = corner, corner + 1, corner + n + 1, corner + n
+    faces = np.concatenate((np.stack((a, b, c), axis=1), np.stack((a, c, d), axis=1)))
+    return mesh(points.reshape(-1, 3), faces)
