@@ -7,7 +7,7 @@ and the curvature operator B,
 
 A plane has B = 0; a convex ground, such as a boulder, has B >= 0 on the tangent plane. Each ground
 has two coordinates (u, v) of its own, in which a trajectory's `position` is given: lengths along
-(t1, t2) on a plane, the world's (x, y) elsewhere.
+(t1, t2) on a plane, the world's (x, y) elsewhere. Boulders and graphs are in their own files.
 """
 
 from __future__ import annotations
@@ -52,6 +52,14 @@ class Ground(ABC):
     @abstractmethod
     def curvature(self, point: Array) -> Array:
         """B (3, 3) [1/m] at a point (3,)."""
+
+    @abstractmethod
+    def distance(self, point: Array) -> float:
+        """Distance of any point near the ground from it [m], above zero outside; to first order."""
+
+    def leaves(self, coordinates: Array) -> str | None:
+        """Why a contact at these coordinates (2,) is past what the ground describes, or None."""
+        return None
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
@@ -113,6 +121,9 @@ class Plane(Ground):
 
     def curvature(self, point: Array) -> Array:
         return np.zeros((3, 3))
+
+    def distance(self, point: Array) -> float:
+        return float(self.normal_vector @ point)
 
     def to_dict(self) -> dict[str, Any]:
         return {"type": "plane", "normal": self.normal_vector.tolist(), "gravity": self.gravity}
