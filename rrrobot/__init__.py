@@ -1,21 +1,21 @@
 """rrrobot: legless locomotion of round robots. See README.md."""
 
+from rrrobot import paper
 from rrrobot.constraints import (
-    ConstraintRows,
-    KKTSolution,
-    KKTSystem,
+    Constraint,
+    Instant,
     PrescribedJoints,
     RollingContact,
     contact_drift,
     contact_jacobian,
     contact_point,
-    kkt_build,
-    kkt_solve,
-    projected_acceleration,
-    rolling_null_space,
-    rolling_projector,
 )
+from rrrobot.contact.boulder import Boulder
+from rrrobot.contact.convexity import check_convex
+from rrrobot.contact.graph import Graph
+from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.kinematics import contact_path, contact_velocity, sphere_contact_rate
+from rrrobot.contact.shells import EllipsoidSum, FlatBelly
 from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
 from rrrobot.drive.damping import BodyRateDamping, Damping, EulerRateDamping
 from rrrobot.drive.gaits import (
@@ -45,6 +45,16 @@ from rrrobot.errors import (
     SweepInterrupted,
     UrdfError,
 )
+from rrrobot.kkt import (
+    ConstraintRows,
+    KKTSolution,
+    KKTSystem,
+    kkt_build,
+    kkt_solve,
+    projected_acceleration,
+    rolling_null_space,
+    rolling_projector,
+)
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
@@ -72,7 +82,6 @@ from rrrobot.reduction.checks import (
     controllability,
     path_controllability,
     reducibility,
-    weightless,
 )
 from rrrobot.reduction.connection import Connection, rotation_connection
 from rrrobot.reduction.cycles import OptimalCycle, optimal_cycle
@@ -82,6 +91,7 @@ from rrrobot.robot.examples import example_robots
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.robot import Robot
 from rrrobot.robot.urdf import reduced_urdf, rrrobot_urdf, urdf_path
+from rrrobot.serial import register
 from rrrobot.simulation.recombined import decoupled
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.steady import SteadyState
@@ -109,23 +119,30 @@ from rrrobot.view.viewer import Viewer, record
 
 __all__ = [
     "BodyRateDamping",
+    "Boulder",
     "CallableGait",
     "Comparison",
     "Connection",
+    "Constraint",
     "ConstraintError",
     "ConstraintRows",
     "Controllability",
     "Damping",
     "DecoupledModels",
     "Ellipsoid",
+    "EllipsoidSum",
     "EulerRateDamping",
     "FastestTravel",
+    "FlatBelly",
     "FourierGait",
     "FullModel",
     "Gait",
     "GaitError",
     "GaitLimits",
+    "Graph",
+    "Ground",
     "GroundClearanceWarning",
+    "Instant",
     "KKTSolution",
     "KKTSystem",
     "LeastEffort",
@@ -144,6 +161,7 @@ __all__ = [
     "PeriodRow",
     "PitchModel",
     "PivotingModel",
+    "Plane",
     "PrescribedJoints",
     "RRRobotError",
     "RRRobotParameters",
@@ -169,6 +187,7 @@ __all__ = [
     "Viewer",
     "YawModel",
     "YawPlan",
+    "check_convex",
     "compare",
     "composite_period",
     "contact_drift",
@@ -201,6 +220,7 @@ __all__ = [
     "record",
     "reduced_urdf",
     "reducibility",
+    "register",
     "reproduce",
     "rolling_null_space",
     "rolling_pendulum_period",
@@ -215,7 +235,6 @@ __all__ = [
     "table_3",
     "table_4",
     "urdf_path",
-    "weightless",
     "yaw_drift",
     "yaw_mass_matrix",
     "zero_set",

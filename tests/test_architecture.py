@@ -12,11 +12,12 @@ PACKAGE = Path(rr.__file__).parent
 # Bottom first. A room is a folder, or a file of its own; a line of rooms is one layer.
 LAYERS = (
     ("errors",),
-    ("checks", "files"),
+    ("checks", "files", "serial"),
     ("rotations", "integrate", "drawing"),
     ("drive",),
     ("contact",),
     ("robot",),
+    ("kkt",),
     ("constraints",),
     ("models",),
     ("momentum",),

@@ -1,8 +1,8 @@
-"""Shells made of others: sums of ellipsoids, a shell moved and turned, a flat belly."""
+"""Further shells: sums of ellipsoids, which are rounded boxes, and a flat belly."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -11,9 +11,8 @@ from numpy.typing import ArrayLike
 
 from rrrobot import serial
 from rrrobot.checks import Array, finite, vector
-from rrrobot.contact.surfaces import Surface, surface_from_dict
+from rrrobot.contact.surfaces import Surface
 from rrrobot.errors import ParameterError, ShellError
-from rrrobot.rotations import rotation_from_euler
 
 
 @serial.register("ellipsoid sum")
@@ -69,78 +68,11 @@ class EllipsoidSum(Surface):
         squares, scaled, h = self._parts(u)
         return np.diag((squares / h).sum(axis=0)) - scaled.T @ (scaled / h**3)
 
-    def ellipsoids(self) -> tuple[Array, Array]:
-        return np.zeros(3), np.array([np.diag(np.square(axes)) for axes in self.semi_axes])
+    def ellipsoids(self) -> Array:
+        return np.array([np.diag(np.square(axes)) for axes in self.semi_axes])
 
     def to_dict(self) -> dict[str, Any]:
         return {"type": "ellipsoid sum", "semi_axes": [list(axes) for axes in self.semi_axes]}
-
-
-@serial.register("placed")
-@dataclass(frozen=True)
-class Placed(Surface):
-    """A shell moved and turned in its frame: h(u) = c.u + h0(Q^T u).
-
-    Attributes:
-        shell: the shell h0.
-        center: c, where its centre goes (3,) [m].
-        rpy: roll, pitch, yaw that turn it, as a URDF's: Q = Rz(yaw) Ry(pitch) Rx(roll) (3,) [rad].
-
-    Example:
-        >>> import numpy as np, rrrobot as rr
-        >>> shell = rr.Placed(rr.Ellipsoid((0.2, 0.1, 0.1)), (0, 0, 0.02), (0, 0, np.pi / 2))
-        >>> shell.contact(np.array([0.0, -1.0, 0.0])).round(9).tolist()
-        [0.0, -0.2, 0.02]
-    """
-
-    shell: Surface
-    center: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    rpy: tuple[float, float, float] = (0.0, 0.0, 0.0)
-
-    def __post_init__(self) -> None:
-        if not isinstance(self.shell, Surface):
-            raise ShellError(f"shell is {self.shell!r}: it must be a surface, such as Sphere(0.1).")
-        center, rpy = vector("center", self.center, 3, "m"), vector("rpy", self.rpy, 3, "rad")
-        object.__setattr__(self, "center", tuple(center.tolist()))
-        object.__setattr__(self, "rpy", tuple(rpy.tolist()))
-        object.__setattr__(self, "_center", center)
-        object.__setattr__(self, "_turn", rotation_from_euler(rpy))
-
-    @property
-    def rotation(self) -> Array:
-        """Q (3, 3)."""
-        return self._turn  # type: ignore[attr-defined, no-any-return]
-
-    def support(self, u: Array) -> float:
-        return float(np.dot(self.center, u)) + self.shell.support(self.rotation.T @ u)
-
-    def contact(self, u: Array) -> Array:
-        q = self.rotation
-        return self._center + q @ self.shell.contact(q.T @ u)  # type: ignore[attr-defined, no-any-return]
-
-    def hessian(self, u: Array) -> Array:
-        q = self.rotation
-        return q @ self.shell.hessian(q.T @ u) @ q.T
-
-    def ellipsoids(self) -> tuple[Array, Array] | None:
-        inner = self.shell.ellipsoids()
-        if inner is None:
-            return None
-        q = self.rotation
-        return np.asarray(self.center) + q @ inner[0], q @ inner[1] @ q.T
-
-    def to_dict(self) -> dict[str, Any]:
-        return {
-            "type": "placed",
-            "shell": self.shell.to_dict(),
-            "center": list(self.center),
-            "rpy": list(self.rpy),
-        }
-
-    @classmethod
-    def from_dict(cls, data: Mapping[str, Any]) -> Placed:
-        """The shell that `to_dict` wrote."""
-        return cls(surface_from_dict(data["shell"]), tuple(data["center"]), tuple(data["rpy"]))
 
 
 @serial.register("flat belly")

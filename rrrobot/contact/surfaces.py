@@ -80,8 +80,8 @@ class Surface(ABC):
         """The contact arm (3,) [m] if it is the same at every orientation, else None."""
         return None
 
-    def ellipsoids(self) -> tuple[Array, Array] | None:
-        """(c, A) where h(u) = c.u + sum of sqrt(u.A_j u), A (m, 3, 3) [m^2]; else None."""
+    def ellipsoids(self) -> Array | None:
+        """A (m, 3, 3) [m^2] where h(u) = sum of sqrt(u.A_j u); else None."""
         return None
 
     def principal_radii(self, u: Array) -> Array:
@@ -126,8 +126,8 @@ class Sphere(Surface):
     def fixed_arm(self, normal: Array) -> Array | None:
         return -self.radius * normal
 
-    def ellipsoids(self) -> tuple[Array, Array]:
-        return np.zeros(3), self.radius**2 * np.eye(3)[None]
+    def ellipsoids(self) -> Array:
+        return np.asarray(self.radius**2 * np.eye(3)[None])
 
     def to_dict(self) -> dict[str, Any]:
         return {"type": "sphere", "radius": self.radius}
@@ -171,8 +171,8 @@ class Ellipsoid(Surface):
         scaled, h = self._scaled(u)
         return np.diag(np.square(self.semi_axes)) / h - np.outer(scaled, scaled) / h**3
 
-    def ellipsoids(self) -> tuple[Array, Array]:
-        return np.zeros(3), np.diag(np.square(self.semi_axes))[None]
+    def ellipsoids(self) -> Array:
+        return np.asarray(np.diag(np.square(self.semi_axes))[None])
 
     def to_dict(self) -> dict[str, Any]:
         return {"type": "ellipsoid", "semi_axes": list(self.semi_axes)}

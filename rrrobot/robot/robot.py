@@ -1,4 +1,4 @@
-"""A robot: URDF -> Pinocchio model with a free-flyer base, a round shell, a ground, named legs."""
+"""A robot: URDF -> Pinocchio model with a free-flyer base, a round shell, named legs."""
 
 from __future__ import annotations
 
@@ -12,13 +12,20 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite, vector
+from rrrobot.contact.convexity import check_convex
 from rrrobot.contact.surfaces import SHELL_FRAME, Sphere, Surface, surface_from_dict
-from rrrobot.errors import ParameterError, ShellError, UrdfError
+from rrrobot.errors import ShellError, UrdfError
 from rrrobot.robot.examples import example_urdf
 from rrrobot.robot.joints import build_model, check_masses, movable_joints
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.reader import parse_urdf, read_urdf, root_link
 from rrrobot.robot.urdf import LEGS, rrrobot_urdf
+from rrrobot.rotations import rotation_from_euler
+
+_OWN_SHELLS = ("rrrobot.contact.surfaces", "rrrobot.contact.shells")
+"""Shells that are convex by construction; any other is checked."""
+STANDARD_GRAVITY = 9.81
+"""g where neither a ground nor a robot's parameters say otherwise [m/s^2]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -34,10 +41,11 @@ class Robot:
         shell: the round surface, in the frame `SHELL_FRAME`.
         legs: joint names of the legs; every leg array in this package has this order.
         shell_link: link that carries the shell; rigidly fixed to the root link.
-        shell_center: shell's centre in the frame of `shell_link` (3,) [m].
+        shell_center: origin of the shell's frame in that of `shell_link` (3,) [m].
+        shell_rpy: roll, pitch, yaw of the shell's frame in that of `shell_link` (3,) [rad].
         locked: positions of the joints that are not legs, held still [rad or m].
-        gravity: g, along -z of the world [m/s^2].
-        ground_normal: unit normal of the ground plane through the world's origin (3,).
+        parameters: what `from_parameters` made it from; None for any other robot. Models take its
+            gravity and damping unless told otherwise.
         package_dirs: folders where `package://` mesh names are looked up.
         model: Pinocchio model; q = (base position, base quaternion xyzw, joints), v = (base
             linear and angular velocity in the base frame, joint velocities).
@@ -54,9 +62,9 @@ class Robot:
     legs: tuple[str, ...]
     shell_link: str
     shell_center: Array
+    shell_rpy: Array = field(default_factory=lambda: np.zeros(3))
     locked: Mapping[str, float] = field(default_factory=dict)
-    gravity: float = 9.81
-    ground_normal: Array
+    parameters: RRRobotParameters | None = None
     package_dirs: tuple[str, ...] = ()
     name: str = field(init=False)
     model: pin.Model = field(init=False, repr=False)
@@ -67,18 +75,12 @@ class Robot:
             raise ShellError(
                 f"shell is {self.shell!r}: it must be a surface, such as Sphere(radius=0.12)."
             )
-        normal = vector("ground_normal", self.ground_normal, 3)
-        if normal[2] <= 0:
-            raise ParameterError(
-                f"ground_normal is {normal.tolist()}: it must point up (third entry above zero)."
-            )
-        normal /= np.abs(normal).max()
+        if type(self.shell).__module__ not in _OWN_SHELLS:
+            check_convex(self.shell)
         set_field = object.__setattr__
-        set_field(self, "ground_normal", normal / np.linalg.norm(normal))
-        set_field(self, "shell_center", vector("shell_center", self.shell_center, 3, "m"))
-        set_field(self, "gravity", finite("gravity", self.gravity, "m/s^2", at_least=0))
-        for array in (self.ground_normal, self.shell_center):
-            array.flags.writeable = False
+        for name, unit in (("shell_center", "m"), ("shell_rpy", "rad")):
+            set_field(self, name, vector(name, getattr(self, name), 3, unit))
+            getattr(self, name).flags.writeable = False
         model = build_model(self.urdf, pin.JointModelFreeFlyer(), self.legs, self.locked)
         model.gravity.linear = np.array((0.0, 0.0, -self.gravity))
         set_field(self, "name", model.name)
@@ -87,12 +89,7 @@ class Robot:
         set_field(self, "model", model)
 
     @classmethod
-    def from_parameters(
-        cls,
-        parameters: RRRobotParameters | None = None,
-        *,
-        ground_normal: ArrayLike = (0.0, 0.0, 1.0),
-    ) -> Robot:
+    def from_parameters(cls, parameters: RRRobotParameters | None = None) -> Robot:
         """RRRobot from its geometry and masses (Table 2 by default)."""
         p = parameters or RRRobotParameters()
         return cls(
@@ -101,8 +98,7 @@ class Robot:
             legs=LEGS,
             shell_link="shell",
             shell_center=np.zeros(3),
-            gravity=p.gravity,
-            ground_normal=vector("ground_normal", ground_normal, 3),
+            parameters=p,
         )
 
     @classmethod
@@ -115,8 +111,7 @@ class Robot:
         locked: Mapping[str, float] | None = None,
         shell_link: str | None = None,
         shell_center: ArrayLike = (0.0, 0.0, 0.0),
-        gravity: float = 9.81,
-        ground_normal: ArrayLike = (0.0, 0.0, 1.0),
+        shell_rpy: ArrayLike = (0.0, 0.0, 0.0),
         package_dirs: Sequence[str | Path] = (),
     ) -> Robot:
         """Any URDF robot that rolls on a round belly.
@@ -129,9 +124,8 @@ class Robot:
                 `locked` position.
             locked: joint name -> position of held joints [rad or m]; 0 where it is not named.
             shell_link: link that carries the shell; the root link unless given.
-            shell_center: centre of the shell in that link's frame (3,) [m].
-            gravity: g [m/s^2], zero or more.
-            ground_normal: normal of the ground plane (3,), any length; gravity stays along -z.
+            shell_center: origin of the shell's frame, its centre, in that link's (3,) [m].
+            shell_rpy: roll, pitch, yaw of the shell's frame in that link's, as a URDF's (3,) [rad].
             package_dirs: folders for `package://` mesh names.
 
         Raises:
@@ -165,9 +159,8 @@ class Robot:
             legs=chosen,
             shell_link=shell_link or root_link(parse_urdf(text)),
             shell_center=vector("shell_center", shell_center, 3, "m"),
+            shell_rpy=vector("shell_rpy", shell_rpy, 3, "rad"),
             locked=held,
-            gravity=gravity,
-            ground_normal=vector("ground_normal", ground_normal, 3),
             package_dirs=tuple(str(folder) for folder in package_dirs),
         )
 
@@ -193,6 +186,11 @@ class Robot:
         return len(self.legs)
 
     @property
+    def gravity(self) -> float:
+        """g [m/s^2] of its parameters, or 9.81; a ground may say otherwise."""
+        return STANDARD_GRAVITY if self.parameters is None else self.parameters.gravity
+
+    @property
     def mass(self) -> float:
         """Total mass [kg]."""
         return float(pin.computeTotalMass(self.model))
@@ -205,9 +203,9 @@ class Robot:
             "legs": list(self.legs),
             "shell_link": self.shell_link,
             "shell_center": self.shell_center.tolist(),
+            "shell_rpy": self.shell_rpy.tolist(),
             "locked": dict(self.locked),
-            "gravity": self.gravity,
-            "ground_normal": self.ground_normal.tolist(),
+            "parameters": None if self.parameters is None else self.parameters.to_dict(),
             "package_dirs": list(self.package_dirs),
         }
 
@@ -217,6 +215,8 @@ class Robot:
         parts = dict(data)
         parts["shell"] = surface_from_dict(parts["shell"])
         parts["legs"] = tuple(parts["legs"])
+        if parts["parameters"] is not None:
+            parts["parameters"] = RRRobotParameters.from_dict(parts["parameters"])
         parts["package_dirs"] = tuple(parts["package_dirs"])
         return cls(**parts)
 
@@ -273,6 +273,6 @@ def _add_shell_frame(model: pin.Model, robot: Robot) -> pin.SE3:
             f"link {robot.shell_link!r} moves with joint {model.names[link.parentJoint]!r}: the "
             "shell must be fixed to the root link. Lock that joint or name another link."
         )
-    placement = link.placement * pin.SE3(np.eye(3), robot.shell_center)
+    placement = link.placement * pin.SE3(rotation_from_euler(robot.shell_rpy), robot.shell_center)
     model.addFrame(pin.Frame(SHELL_FRAME, 1, placement, pin.FrameType.OP_FRAME))
     return placement
