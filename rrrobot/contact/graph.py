@@ -132,10 +132,19 @@ class Graph(Ground):
                     f"the graph's functions take x and y and return a number, 2 numbers and 2 x 2 "
                     f"numbers; at ({x:.3g}, {y:.3g}) m: {error}."
                 ) from None
-            size = 1.0 + abs(value) / self.reach + np.abs(slope).max() + self.reach * np.abs(bend).max()
+            size = (
+                1.0
+                + abs(value) / self.reach
+                + np.abs(slope).max()
+                + self.reach * np.abs(bend).max()
+            )
             for what, found, expected in (
                 ("gradient is not that of height", slope, by_height),
-                ("hessian is not that of gradient", self.reach * bend, self.reach * np.array(by_slope)),
+                (
+                    "hessian is not that of gradient",
+                    self.reach * bend,
+                    self.reach * np.array(by_slope),
+                ),
             ):
                 error_size = float(np.abs(found - expected).max())
                 if not error_size <= _AGREE * size:

@@ -100,7 +100,9 @@ def fit(corner: Array, spacing: Array, values: Array) -> Surface2:
         values: at least 6 in each direction [m].
     """
     table = _along(_along(np.asarray(values, dtype=float)).T).T
-    return Surface2(np.asarray(corner, float), np.asarray(spacing, float), np.ascontiguousarray(table))
+    return Surface2(
+        np.asarray(corner, float), np.asarray(spacing, float), np.ascontiguousarray(table)
+    )
 
 
 def _along(values: Array) -> Array:

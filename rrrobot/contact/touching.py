@@ -108,9 +108,7 @@ def coordinate_rates(
     return ground.coordinate_rates(contact.point, velocity)
 
 
-def trouble(
-    surface: Surface, ground: Ground, rotation: Array, coordinates: Array
-) -> str | None:
+def trouble(surface: Surface, ground: Ground, rotation: Array, coordinates: Array) -> str | None:
     """Why a contact is no longer one that rolls, or None.
 
     The equator of a boulder, the end of a grid or of a belly; or a ground that curves tighter than

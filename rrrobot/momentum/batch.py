@@ -18,7 +18,7 @@ from rrrobot.momentum.interpolation import interpolation, spline_matrix
 from rrrobot.momentum.kernels import ANY, BLOCK, DECOUPLED, N_STAGES, N_STATE, NODES, OK, step
 from rrrobot.momentum.lowering import Setting, decoupled_setting, lower
 from rrrobot.momentum.normal import N_ANY_MOTION
-from rrrobot.momentum.rolling import scratch
+from rrrobot.momentum.lane import scratch
 from rrrobot.momentum.settle import FourierGaits, settle, work_of
 from rrrobot.momentum.summary import N_MOTION, N_RESULT, RESULT, ROWS_PER_STEP
 from rrrobot.momentum.vertical import pitch_of

@@ -97,9 +97,7 @@ def decoupled_setting(
     first = lower(models[0])
     parameters = first.parameters.copy()
     parameters[4:7] = losses
-    return first._replace(
-        parameters=parameters, axis=DECOUPLED, limit=_ANY_PITCH, leg_damping=0.0
-    )
+    return first._replace(parameters=parameters, axis=DECOUPLED, limit=_ANY_PITCH, leg_damping=0.0)
 
 
 def _damping(damping: Damping) -> tuple[float, float, float, float]:

@@ -11,7 +11,7 @@ import numpy as np
 
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import inner
-from rrrobot.momentum.rolling import N, P, R, S, U, X
+from rrrobot.momentum.lane import N, P, R, S, U, X
 from rrrobot.momentum.summary import N_MOTION
 from rrrobot.momentum.terrain import BOULDER, GRAPH
 
@@ -24,22 +24,34 @@ x_dot and n_dot in the base's axes (3 each)."""
 def contact_motion(terrain, b, i, now):  # type: ignore[no-untyped-def]
     """Fill the entries from n on, from the scratch of an evaluation."""
     for a in range(3):
-        now[6 + a], now[9 + a], now[12 + a] = b[N + a, i], b[S + a, i], b[X + a, i]
+        now[6 + a], now[9 + a], now[12 + a] = (
+            b[(N + a) * LANES + i],
+            b[(S + a) * LANES + i],
+            b[(X + a) * LANES + i],
+        )
         now[15 + a] = 0.0
     if terrain.ground == BOULDER:
         for a in range(3):
-            now[15 + a] = terrain.curvature * b[X + a, i]
+            now[15 + a] = terrain.curvature * b[(X + a) * LANES + i]
     elif terrain.ground == GRAPH:
-        x = b[R, i] * b[X, i] + b[R + 1, i] * b[X + 1, i] + b[R + 2, i] * b[X + 2, i]
-        y = b[R + 3, i] * b[X, i] + b[R + 4, i] * b[X + 1, i] + b[R + 5, i] * b[X + 2, i]
-        bend_x = -(b[U + 2, i] * x + b[U + 3, i] * y)
-        bend_y = -(b[U + 3, i] * x + b[U + 4, i] * y)
+        x = (
+            b[R * LANES + i] * b[X * LANES + i]
+            + b[(R + 1) * LANES + i] * b[(X + 1) * LANES + i]
+            + b[(R + 2) * LANES + i] * b[(X + 2) * LANES + i]
+        )
+        y = (
+            b[(R + 3) * LANES + i] * b[X * LANES + i]
+            + b[(R + 4) * LANES + i] * b[(X + 1) * LANES + i]
+            + b[(R + 5) * LANES + i] * b[(X + 2) * LANES + i]
+        )
+        bend_x = -(b[(U + 2) * LANES + i] * x + b[(U + 3) * LANES + i] * y)
+        bend_y = -(b[(U + 3) * LANES + i] * x + b[(U + 4) * LANES + i] * y)
         along = 0.0
         for a in range(3):
-            now[15 + a] = b[R + a, i] * bend_x + b[R + 3 + a, i] * bend_y
-            along += b[N + a, i] * now[15 + a]
+            now[15 + a] = b[(R + a) * LANES + i] * bend_x + b[(R + 3 + a) * LANES + i] * bend_y
+            along += b[(N + a) * LANES + i] * now[15 + a]
         for a in range(3):
-            now[15 + a] -= along * b[N + a, i]
+            now[15 + a] -= along * b[(N + a) * LANES + i]
 
 
 @inner
@@ -48,8 +60,8 @@ def push(b, now, par, i):  # type: ignore[no-untyped-def]
     lift, rest = 0.0, 0.0
     weight = par[i] * par[3 * LANES + i]
     for a in range(3):
-        lift += b[N + a, i] * b[P + a, i]
-        rest += weight * b[N + a, i] * now[a] - now[15 + a] * b[P + a, i]
+        lift += b[(N + a) * LANES + i] * b[(P + a) * LANES + i]
+        rest += weight * b[(N + a) * LANES + i] * now[a] - now[15 + a] * b[(P + a) * LANES + i]
     return lift, rest
 
 

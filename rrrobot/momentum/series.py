@@ -11,15 +11,15 @@ from __future__ import annotations
 
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import inner, lanes
+from rrrobot.momentum.lane import H, N, S
 
-_N, _S, _H = 9, 12, 15
 _SUMS = 10
 
 
 @inner
 def shell_series(terrain, b, first):  # type: ignore[no-untyped-def]
     """s and H of every lane; rows from `first` on are scratch."""
-    top = (len(b) - first - 2 * _SUMS) // 3
+    top = int(max(terrain.degrees[0], terrain.degrees[1])) + 1
     _powers(b, first + 2 * _SUMS, top)
     even = terrain.even
     _sums(terrain.powers, terrain.weights, 0, even, b, first, first + 2 * _SUMS, top)
@@ -34,10 +34,10 @@ def _powers(b, first, top):  # type: ignore[no-untyped-def]
     for a in range(3):
         row = first + a * top
         for i in range(LANES):
-            b[row, i] = 1.0
+            b[row * LANES + i] = 1.0
         for e in range(1, top):
             for i in range(LANES):
-                b[row + e, i] = -b[_N + a, i] * b[row + e - 1, i]
+                b[(row + e) * LANES + i] = -b[(N + a) * LANES + i] * b[(row + e - 1) * LANES + i]
 
 
 @lanes
@@ -45,7 +45,7 @@ def _sums(powers, weights, begin, end, b, out, table, top):  # type: ignore[no-u
     """Value, gradient and Hessian (xx, yy, zz, xy, xz, yz) of a sum of monomials."""
     for row in range(out, out + _SUMS):
         for i in range(LANES):
-            b[row, i] = 0.0
+            b[row * LANES + i] = 0.0
     for m in range(begin, end):
         ex, ey, ez = powers[m, 0], powers[m, 1], powers[m, 2]
         x0, y0, z0 = table + ex, table + top + ey, table + 2 * top + ez
@@ -55,18 +55,18 @@ def _sums(powers, weights, begin, end, b, out, table, top):  # type: ignore[no-u
         wx, wy, wz = w * ex, w * ey, w * ez
         wxx, wyy, wzz = wx * (ex - 1), wy * (ey - 1), wz * (ez - 1)
         for i in range(LANES):
-            x, y, z = b[x0, i], b[y0, i], b[z0, i]
-            dx, dy, dz = b[x1, i], b[y1, i], b[z1, i]
-            b[out, i] += w * x * y * z
-            b[out + 1, i] += wx * dx * y * z
-            b[out + 2, i] += wy * x * dy * z
-            b[out + 3, i] += wz * x * y * dz
-            b[out + 4, i] += wxx * b[x2, i] * y * z
-            b[out + 5, i] += wyy * x * b[y2, i] * z
-            b[out + 6, i] += wzz * x * y * b[z2, i]
-            b[out + 7, i] += wx * ey * dx * dy * z
-            b[out + 8, i] += wx * ez * dx * y * dz
-            b[out + 9, i] += wy * ez * x * dy * dz
+            x, y, z = b[x0 * LANES + i], b[y0 * LANES + i], b[z0 * LANES + i]
+            dx, dy, dz = b[x1 * LANES + i], b[y1 * LANES + i], b[z1 * LANES + i]
+            b[out * LANES + i] += w * x * y * z
+            b[(out + 1) * LANES + i] += wx * dx * y * z
+            b[(out + 2) * LANES + i] += wy * x * dy * z
+            b[(out + 3) * LANES + i] += wz * x * y * dz
+            b[(out + 4) * LANES + i] += wxx * b[x2 * LANES + i] * y * z
+            b[(out + 5) * LANES + i] += wyy * x * b[y2 * LANES + i] * z
+            b[(out + 6) * LANES + i] += wzz * x * y * b[z2 * LANES + i]
+            b[(out + 7) * LANES + i] += wx * ey * dx * dy * z
+            b[(out + 8) * LANES + i] += wx * ez * dx * y * dz
+            b[(out + 9) * LANES + i] += wy * ez * x * dy * dz
 
 
 @lanes
@@ -74,23 +74,38 @@ def _combine(center, k_even, k_odd, b, first):  # type: ignore[no-untyped-def]
     """s = -x and H."""
     for a in range(3):
         for i in range(LANES):
-            b[_S + a, i] = -center[a]
+            b[(S + a) * LANES + i] = -center[a]
     for a in range(6):
         for i in range(LANES):
-            b[_H + a, i] = 0.0
+            b[(H + a) * LANES + i] = 0.0
     for half in range(2):
         k, row = (k_even, first) if half == 0 else (k_odd, first + _SUMS)
         for i in range(LANES):
-            u0, u1, u2 = -b[_N, i], -b[_N + 1, i], -b[_N + 2, i]
-            p, g0, g1, g2 = b[row, i], b[row + 1, i], b[row + 2, i], b[row + 3, i]
+            u0, u1, u2 = -b[N * LANES + i], -b[(N + 1) * LANES + i], -b[(N + 2) * LANES + i]
+            p, g0, g1, g2 = (
+                b[row * LANES + i],
+                b[(row + 1) * LANES + i],
+                b[(row + 2) * LANES + i],
+                b[(row + 3) * LANES + i],
+            )
             kp = k * p
             far = kp * (k - 2.0)
-            b[_S, i] -= g0 + kp * u0
-            b[_S + 1, i] -= g1 + kp * u1
-            b[_S + 2, i] -= g2 + kp * u2
-            b[_H, i] += b[row + 4, i] + 2.0 * k * g0 * u0 + kp + far * u0 * u0
-            b[_H + 1, i] += b[row + 5, i] + 2.0 * k * g1 * u1 + kp + far * u1 * u1
-            b[_H + 2, i] += b[row + 6, i] + 2.0 * k * g2 * u2 + kp + far * u2 * u2
-            b[_H + 3, i] += b[row + 7, i] + k * (g0 * u1 + g1 * u0) + far * u0 * u1
-            b[_H + 4, i] += b[row + 8, i] + k * (g0 * u2 + g2 * u0) + far * u0 * u2
-            b[_H + 5, i] += b[row + 9, i] + k * (g1 * u2 + g2 * u1) + far * u1 * u2
+            b[S * LANES + i] -= g0 + kp * u0
+            b[(S + 1) * LANES + i] -= g1 + kp * u1
+            b[(S + 2) * LANES + i] -= g2 + kp * u2
+            b[H * LANES + i] += b[(row + 4) * LANES + i] + 2.0 * k * g0 * u0 + kp + far * u0 * u0
+            b[(H + 1) * LANES + i] += (
+                b[(row + 5) * LANES + i] + 2.0 * k * g1 * u1 + kp + far * u1 * u1
+            )
+            b[(H + 2) * LANES + i] += (
+                b[(row + 6) * LANES + i] + 2.0 * k * g2 * u2 + kp + far * u2 * u2
+            )
+            b[(H + 3) * LANES + i] += (
+                b[(row + 7) * LANES + i] + k * (g0 * u1 + g1 * u0) + far * u0 * u1
+            )
+            b[(H + 4) * LANES + i] += (
+                b[(row + 8) * LANES + i] + k * (g0 * u2 + g2 * u0) + far * u0 * u2
+            )
+            b[(H + 5) * LANES + i] += (
+                b[(row + 9) * LANES + i] + k * (g1 * u2 + g2 * u1) + far * u1 * u2
+            )

@@ -37,8 +37,9 @@ from rrrobot.momentum.kernels import (
     step,
 )
 from rrrobot.momentum.lowering import Setting
+from rrrobot.momentum.lane import DET, ROOM, scratch
 from rrrobot.momentum.normal import N_ANY_MOTION, contact_motion, least_sum, push
-from rrrobot.momentum.rolling import DET, ROOM, rolling_rates, scratch
+from rrrobot.momentum.rolling import evaluate_lanes
 from rrrobot.momentum.summary import (
     N_RESULT,
     ROWS_PER_STEP,
@@ -239,7 +240,7 @@ def _settle(axis, limit, terrain, first, work, motion, out):  # type: ignore[no-
     n_steps, counted, n_out = len(work.lift), len(work.means), min(LANES, len(out) - first)
     _begin(axis, y, work.angles, work.sides, work.status, work.largest)
     for i in range(LANES):
-        work.rolling[ROOM, i] = work.rolling[DET, i] = np.inf
+        work.rolling[ROOM * LANES + i] = work.rolling[DET * LANES + i] = np.inf
     last, first_end = 0, ends[0]
     for i in range(LANES):
         last, first_end = max(last, ends[i]), min(first_end, ends[i])
@@ -278,7 +279,7 @@ def _settle(axis, limit, terrain, first, work, motion, out):  # type: ignore[no-
                     if axis == ANY:
                         if not fresh:
                             # The stages have gone over the scratch.
-                            rolling_rates(before, table, at, par, slopes, 0, terrain, work.rolling)
+                            evaluate_lanes(before, table, at, par, slopes, 0, terrain, work.rolling)
                             fresh = True
                         contact_motion(terrain, work.rolling, i, work.now)
                         work.lift[n, i], work.push[n, i] = push(work.rolling, work.now, par, i)
@@ -326,9 +327,9 @@ def _check_ground(b, cycle, n, ends, status):  # type: ignore[no-untyped-def]
             continue
         if cycle > ends[i] or (cycle == ends[i] and n > 0):
             continue
-        if b[ROOM, i] < 0.0:
+        if b[ROOM * LANES + i] < 0.0:
             status[i] = GROUND_END
-        elif b[DET, i] <= 0.0:
+        elif b[DET * LANES + i] <= 0.0:
             status[i] = TIGHT
 
 

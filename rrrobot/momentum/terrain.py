@@ -177,9 +177,7 @@ def series_at(terrain: Terrain, u: Array) -> tuple[Array, Array]:
     return gradient, hessian
 
 
-def _derivatives(
-    powers: NDArray[np.int64], weights: Array, u: Array
-) -> tuple[float, Array, Array]:
+def _derivatives(powers: NDArray[np.int64], weights: Array, u: Array) -> tuple[float, Array, Array]:
     """Value, gradient and Hessian of a sum of monomials."""
 
     def sums(*turns: int) -> float:
@@ -194,6 +192,4 @@ def _derivatives(
 
 
 def _exponents(degree: int) -> list[tuple[int, int, int]]:
-    return [
-        (a, b, degree - a - b) for a in range(degree + 1) for b in range(degree + 1 - a)
-    ]
+    return [(a, b, degree - a - b) for a in range(degree + 1) for b in range(degree + 1 - a)]
