@@ -419,9 +419,12 @@ def test_what_is_compiled_is_known(tmp_path):
 
 
 def test_what_the_engine_cannot_do_is_told():
-    slope = rr.FullModel(rr.Robot.from_parameters(), ground=rr.Plane((0.1, 0, 1)))
-    with pytest.raises(rr.ModelError, match="level ground"):
-        rr.simulate(slope, rr.gait("lateral"), 1.0, method="momentum")
+    class Waves(rr.Plane):
+        """A ground of one's own."""
+
+    waves = rr.FullModel(rr.Robot.from_parameters(), ground=Waves())
+    with pytest.raises(rr.ModelError, match="does not know the ground .*Waves"):
+        rr.simulate(waves, rr.gait("lateral"), 1.0, method="momentum")
     torques = rr.LegTorques((0.0, 0.0), angle=(1.5, 1.5))
     level = rr.FullModel(rr.Robot.from_parameters())
     with pytest.raises(rr.GaitError, match="prescribed"):

@@ -141,10 +141,6 @@ class Model(ABC):
 
     # What every model has.
 
-    def trouble(self, pose: Array) -> str | None:
-        """Why the model does not hold at a pose (n_pose,), or None."""
-        return None
-
     @property
     def gravity(self) -> float:
         """g that acts in this model [m/s^2]."""

@@ -16,9 +16,9 @@ from rrrobot.momentum.extremes import LOADS as ALL_LOADS
 from rrrobot.momentum.extremes import evaluate, extremes
 from rrrobot.momentum.interpolation import interpolation, spline_matrix
 from rrrobot.momentum.kernels import ANY, BLOCK, DECOUPLED, N_STAGES, N_STATE, NODES, OK, step
+from rrrobot.momentum.lane import scratch
 from rrrobot.momentum.lowering import Setting, decoupled_setting, lower
 from rrrobot.momentum.normal import N_ANY_MOTION
-from rrrobot.momentum.lane import scratch
 from rrrobot.momentum.settle import FourierGaits, settle, work_of
 from rrrobot.momentum.summary import N_MOTION, N_RESULT, RESULT, ROWS_PER_STEP
 from rrrobot.momentum.vertical import pitch_of
@@ -218,7 +218,8 @@ def settled(
     settle(
         setting.tree, setting.axis, setting.limit, setting.terrain, _contiguous(gaits),
         _contiguous(yaw or gaits), np.ascontiguousarray(cycles, dtype=np.int64),
-        _turns(steps, harmonics), slope_of, value_of, work_of(setting, harmonics, counted, steps), found.motion, found.pitch, found.results,
+        _turns(steps, harmonics), slope_of, value_of, work_of(setting, harmonics, counted, steps),
+        found.motion, found.pitch, found.results,
     )  # fmt: skip
     return found._replace(pitch=pitch_of(found.pitch))
 

@@ -1,4 +1,4 @@
-"""The commonest pairs of shell and ground in one loop over lanes each, which is what makes them fast.
+"""The commonest pairs of shell and ground in one loop over lanes each, which makes them fast.
 
 A sphere and an ellipsoid on a plane, a sphere on a boulder; and, after its contact, any other shell
 on a plane. See `rolling.py` for the equations.

@@ -85,7 +85,8 @@ def extremes(setting: Setting, gaits: FourierGaits, motion: Array) -> Array:
     rows = n_signals(legs, n_bodies)
     work = Work(
         lane_work(setting.tree), bodies(n_bodies), np.zeros((1, N_COEFFICIENTS * LANES)),
-        np.zeros(N_COEFFICIENTS), np.zeros(N_ANY_MOTION), np.zeros((3, legs)), np.zeros((instants, rows)),
+        np.zeros(N_COEFFICIENTS), np.zeros(N_ANY_MOTION), np.zeros((3, legs)),
+        np.zeros((instants, rows)),
         np.zeros((points, rows)), np.zeros(points), np.zeros(rows),
         np.zeros(2 + legs),
     )  # fmt: skip

@@ -1,7 +1,8 @@
 """Contact force and motor torques at a state of a prescribed gait, compiled, for many gaits.
 
 Recursive Newton-Euler over the engine's tree of bodies, in the body's axes about a point C of
-it, the shell's centre or the base's origin. With s the vector from the pivot to C, up = R^T z and alpha = w_dot,
+it, the shell's centre or the base's origin. With s the vector from the pivot to C, up = R^T z and
+alpha = w_dot,
 
     a_C = alpha x s + w x (w x s - x_dot)            the second part is zero of a sphere on a plane
     f_i = m_i (a_i + g up),    n_i = I_i alpha_i + w_i x I_i w_i

@@ -37,12 +37,12 @@ NODES = np.unique(DOP853.C[:N_STAGES])
 _NODE = np.searchsorted(NODES, DOP853.C[:N_STAGES])
 
 ANY, DECOUPLED = -2, 3
-"""The `axis` of a body that rolls with any shell on any ground, and of three single-axis models that
-share a path; -1 is all axes of a sphere on level ground or a pivot."""
+"""The `axis` of a body that rolls with any shell on any ground, and of three single-axis models
+that share a path; -1 is all axes of a sphere on level ground or a pivot."""
 OK, VERTICAL, NOT_FINITE, LIFT_OFF, GROUND_END, TIGHT = 0, 1, 2, 3, 4, 5
 """Why a lane has no steady state: it has one; a pitch of +-90 degrees; a number that is not finite;
 the settled motion would lift off the ground; the contact came to a boulder's equator, a belly's
-edge or the end of a graph's table; the ground curves tighter than the shell, which touches twice."""
+edge or a graph's last cell; the ground curves tighter than the shell, which touches it twice."""
 
 
 _FOUR = 4

@@ -36,8 +36,8 @@ from rrrobot.momentum.kernels import (
     VERTICAL,
     step,
 )
-from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.lane import DET, ROOM, scratch
+from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.normal import N_ANY_MOTION, contact_motion, least_sum, push
 from rrrobot.momentum.rolling import evaluate_lanes
 from rrrobot.momentum.summary import (
@@ -146,7 +146,7 @@ def settle(  # type: ignore[no-untyped-def]
             interpolation, times the period; where the motion does not repeat, of a spline's.
         value_of: likewise to the interpolation itself; not used unless axis is ANY.
         work: see `work_of`.
-        motion: (n, steps, N_MOTION or N_ANY_MOTION), filled with the last cycle; (0, steps, ...) to leave it.
+        motion: (n, steps, entries), filled with the last cycle; (0, steps, ...) to leave it.
         sine: (n,), filled with the largest |sin pitch|.
         out: (n, N_RESULT), filled; of a lane that stopped all but the status is NaN.
     """

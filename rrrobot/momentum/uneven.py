@@ -1,4 +1,4 @@
-"""The engine's part of a graph z = f(x, y): its normal from a quintic spline, and the contact's rate.
+"""The engine's part of a graph z = f(x, y): its normal by a quintic spline, the contact's rate.
 
 With n = (-f_x, -f_y, 1)/W, F = Hess f and Hw = R H R^T,
 
