@@ -476,7 +476,7 @@ def test_robots() -> None:
     pytest.importorskip("example_robot_data")
     data = json.loads(good("robots", "--json").stdout)
     assert data[0]["name"] == "rrrobot"
-    assert {robot["name"] for robot in data[1:]} == set(rr.example_robots())
+    assert {robot["name"] for robot in data[1:]} == set(rr.robot.example_robots())
     assert "solo12" in good("robots").stdout
 
 

@@ -43,7 +43,7 @@ class Comparison:
 
     Example:
         >>> import rrrobot as rr
-        >>> c = rr.compare(rr.Robot.from_parameters(), rr.gait("circular"), duration=8.0)
+        >>> c = rr.studies.compare(rr.Robot.from_parameters(), rr.gait("circular"), duration=8.0)
         >>> list(c.states)
         ['full', 'pivoting', 'decoupled', 'modulated']
     """
@@ -97,7 +97,7 @@ def compare(
 
     Example:
         >>> import rrrobot as rr
-        >>> c = rr.compare(rr.Robot.from_parameters(), rr.gait("lateral"), duration=20.0)
+        >>> c = rr.studies.compare(rr.Robot.from_parameters(), rr.gait("lateral"), duration=20.0)
         >>> round(c.ratio("pivoting", "speed"), 2)
         1.01
     """
@@ -138,7 +138,7 @@ def yaw_drift(robot: Robot, gait: Gait) -> float:
 
     Example:
         >>> import rrrobot as rr
-        >>> round(rr.yaw_drift(rr.Robot.from_parameters(), rr.gait("circular")), 6)
+        >>> round(rr.studies.yaw_drift(rr.Robot.from_parameters(), rr.gait("circular")), 6)
         0.013552
     """
     YawModel(robot).check_legs(gait.n_legs)
@@ -162,7 +162,7 @@ def matching_yaw_amplitude(robot: Robot, gait: SinusoidalGait, yaw_rate: float) 
     Example:
         >>> import rrrobot as rr
         >>> robot = rr.Robot.from_parameters()
-        >>> factor = rr.matching_yaw_amplitude(robot, rr.gait("circular"), 0.0208547)
+        >>> factor = rr.studies.matching_yaw_amplitude(robot, rr.gait("circular"), 0.0208547)
         >>> round(0.3 * factor, 3)
         0.377
     """
