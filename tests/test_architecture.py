@@ -11,9 +11,11 @@ import rrrobot as rr
 PACKAGE = Path(rr.__file__).parent
 # Bottom first. A room is a folder, or a file of its own; a line of rooms is one layer.
 LAYERS = (
-    ("errors",),
+    ("errors", "lazy"),
     ("checks", "files", "serial"),
-    ("rotations", "integrate", "drawing"),
+    ("rotations", "integrate", "inline"),
+    ("canvas",),
+    ("drawing",),
     ("drive",),
     ("contact",),
     ("robot",),

@@ -184,7 +184,7 @@ def test_parameters_of_rrrobot() -> None:
         f"--{key.replace('_', '-')}={','.join(map(str, np.atleast_1d(value)))}"
         for key, value in values.items()
     ]
-    data = simulated(*SHORT, *args, "--ground-normal", "0", "0.1", "1")
+    data = simulated(*SHORT, *args, "--ground", "plane:0,0.1,1")
     robot = rr.Robot.from_parameters(rr.RRRobotParameters(**values))
     model = rr.FullModel(robot, ground=rr.Plane((0, 0.1, 1)))
     t = rr.simulate(model, rr.gait("lateral"), 0.5)
@@ -308,7 +308,7 @@ def assert_refused(result: Result, says: str, code: int = 1) -> None:
         (("--rtol", "0"), "rtol"),
         (("--ramp", "0"), "duration is 0.0 s"),
         (("--damping=-1",), "at least zero"),
-        (("--ground-normal", "0", "0", "-1"), "it must point up"),
+        (("--ground", "plane:0,0,-1"), "it must point up"),
         (("--model", "yaw", "--euler", "0.1,0,0"), "locks roll"),
     ],
 )

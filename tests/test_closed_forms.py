@@ -35,7 +35,9 @@ def test_composite_period_takes_its_inertia_from_the_mass_matrix() -> None:
     """I about the contact and about the pivot of the five points, legs straight up."""
     zero, still = np.zeros(3), np.zeros((2, 2))
     periods = [
-        rr.paper.composite_period(model(TABLE_2, zero, zero, UP, *still).mass_matrix[i, i], STIFFNESS)
+        rr.paper.composite_period(
+            model(TABLE_2, zero, zero, UP, *still).mass_matrix[i, i], STIFFNESS
+        )
         for model in (full_model, pivoting_model)
         for i in (0, 1)
     ]
@@ -65,7 +67,9 @@ def test_eqs_7_and_8_from_lagrange() -> None:
     assert rr.paper.rolling_pendulum_period(0.12, 0.07, 9.7) == pytest.approx(eq_7, rel=1e-14)
     eq_8 = float(small_oscillation(pendulum, theta).subs(values))
     assert rr.paper.simple_pendulum_period(0.07, 9.7) == pytest.approx(eq_8, rel=1e-14)
-    assert rr.paper.simple_pendulum_period(0.07) == pytest.approx(2 * math.pi * math.sqrt(0.07 / 9.81))
+    assert rr.paper.simple_pendulum_period(0.07) == pytest.approx(
+        2 * math.pi * math.sqrt(0.07 / 9.81)
+    )
 
 
 def point_mass_robot(height: float) -> rr.Robot:
@@ -227,9 +231,9 @@ def test_pitch_response_over_frequency() -> None:
     assert H[1, 2] == pytest.approx(rr.paper.pitch_response(K, UP, omega[1, 2]), rel=1e-14)
     # A slow swing tilts the body as much as the static pitch says.
     h = 1e-4
-    slope = (rr.paper.static_pitch(K, (UP[0] + h, UP[1])) - rr.paper.static_pitch(K, (UP[0] - h, UP[1]))) / (
-        2 * h
-    )
+    slope = (
+        rr.paper.static_pitch(K, (UP[0] + h, UP[1])) - rr.paper.static_pitch(K, (UP[0] - h, UP[1]))
+    ) / (2 * h)
     assert H[0, 0, 0] == pytest.approx(slope, rel=1e-6)
     # Undamped, a response without bound at 2 pi / 1.07346 s.
     near = 2 * np.pi / 1.07346 * np.array([0.999, 1.001])

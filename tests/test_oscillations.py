@@ -135,7 +135,9 @@ def test_modes_of_any_robot_are_eigenvalues_of_its_equations(seed: int) -> None:
     )
     every = np.linalg.eigvals(jacobian)
     expected = sorted(every[np.abs(every) > 1e-3], key=lambda z: (z.imag, z.real))
-    found = [z for m in rr.orbits.modes(model, LEGS) for z in {m.eigenvalue, m.eigenvalue.conjugate()}]
+    found = [
+        z for m in rr.orbits.modes(model, LEGS) for z in {m.eigenvalue, m.eigenvalue.conjugate()}
+    ]
     nonzero = sorted((z for z in found if abs(z) > 1e-3), key=lambda z: (z.imag, z.real))
     # One zero: rests come in families, turned about the line from the centre to the masses'.
     assert len(found) == 6 and len(nonzero) == 5
@@ -186,7 +188,9 @@ def test_modes_of_rrrobot_with_its_legs_apart() -> None:
 
 def test_the_search_starts_where_it_is_told() -> None:
     """Yaw has no stiffness and stays as it was; the position does too."""
-    pivoting = rr.orbits.equilibrium(rr.PivotingModel(library_robot()), (0.8, 0.8), euler=(0.2, 0, 1.0))
+    pivoting = rr.orbits.equilibrium(
+        rr.PivotingModel(library_robot()), (0.8, 0.8), euler=(0.2, 0, 1.0)
+    )
     pitch = rr.paper.static_pitch(rr.RRRobotParameters(), (0.8, 0.8))
     assert pivoting[:3] == pytest.approx([1.0, pitch, 0.0], abs=0.05)
     assert pivoting[1] == pytest.approx(pitch, abs=1e-12)

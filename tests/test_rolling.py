@@ -165,7 +165,9 @@ def test_a_function_is_integrated_to_the_tolerance() -> None:
     time = np.linspace(0.0, 4.0, 9)
     exact = rr.contact.contact_path(R, time, tumble, stepping=TIGHT)
     default = rr.contact.contact_path(R, time, tumble)
-    coarse = rr.contact.contact_path(R, time, tumble, stepping=Stepping(rtol=1e-3, atol=1e-3, max_step=1.0))
+    coarse = rr.contact.contact_path(
+        R, time, tumble, stepping=Stepping(rtol=1e-3, atol=1e-3, max_step=1.0)
+    )
     assert np.abs(default - exact).max() < 1e-9
     assert 1e-7 < np.abs(coarse - exact).max() < 1e-2
 

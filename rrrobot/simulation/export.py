@@ -185,7 +185,8 @@ def to_mat(trajectory: Trajectory, path: str | Path) -> Path:
     data["legs"] = np.array(trajectory.robot.legs, dtype=object)
     data["about"] = dict(ds.attrs)
     stream = io.BytesIO()
-    savemat(stream, data, oned_as="column", do_compression=True)
+    # SciPy takes any stream, and its stubs a name only.
+    savemat(stream, data, oned_as="column", do_compression=True)  # type: ignore[arg-type]
     return write_whole(target, stream.getvalue())
 
 

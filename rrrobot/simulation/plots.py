@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.drawing import (
@@ -221,7 +222,7 @@ def _last_cycles(trajectory: Trajectory) -> float:
     return end - LEG_CYCLES * trajectory.period
 
 
-def _units(turning: str, slid: str, mixed: str, slides: Array) -> str:
+def _units(turning: str, slid: str, mixed: str, slides: NDArray[np.bool_]) -> str:
     if not slides.any():
         return turning
     return slid if slides.all() else mixed
