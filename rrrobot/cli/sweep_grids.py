@@ -115,14 +115,15 @@ class GridOptions(Group):
             legs = [leg for leg, _ in given]
             if len(set(legs)) != len(legs) or (None in legs and len(legs) > 1):
                 raise click.UsageError(
-                    f"--{name.replace('_', '-')}: give one grid for all legs, or one JOINT=GRID each."
+                    f"--{name.replace('_', '-')}: give one grid for all legs, or one JOINT=GRID "
+                    "each."
                 )
             if given:
                 key = "angular_frequency" if name == "frequency" else name
                 grids[key] = dict(given) if legs[0] else given[0][1]
         parameters: dict[str, Any] = {}
-        for key, grid in self.parameter:
-            if key is None or key in parameters:
+        for label, grid in self.parameter:
+            if label is None or label in parameters:
                 raise click.UsageError("--parameter: write NAME=GRID, each NAME once.")
-            parameters[key] = np.atleast_1d(grid)
+            parameters[label] = np.atleast_1d(grid)
         return grids, parameters
