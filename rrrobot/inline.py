@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import base64
 import io
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
 
@@ -42,6 +42,15 @@ def html_table(
     top = _row("th", head) if head else ""
     picture = "" if figure is None else _picture(figure)
     return f"<div><b>{escape(title)}</b><table>{top}{body}</table>{picture}</div>"
+
+
+def shows(*names: str) -> Callable[[Any], str]:
+    """A `_repr_html_` that shows an object's class and these attributes of it."""
+
+    def show(self: Any) -> str:
+        return html_table(type(self).__name__, {name: getattr(self, name) for name in names})
+
+    return show
 
 
 def html_frame(page: str, *, height: int) -> str:

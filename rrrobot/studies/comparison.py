@@ -15,6 +15,7 @@ import numpy as np
 from rrrobot.checks import finite
 from rrrobot.drive.gaits import Gait, SinusoidalGait
 from rrrobot.errors import GaitError, ModelError
+from rrrobot.inline import html_table
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import YawModel
@@ -71,6 +72,16 @@ class Comparison:
             | {"pitch_yaw_phase_difference": state.pitch_yaw_phase_difference}
             for name, state in self.states.items()
         ]
+
+    def _repr_html_(self) -> str:
+        head = ("model", "speed [mm/s]", "ratio", "yaw rate [rad/s]", "ratio", "curvature [1/m]")
+        rows = []
+        for name, state in self.states.items():
+            ratios = (self.ratio(name, quantity) for quantity in ("speed", "yaw_rate"))
+            speed, turn = ("-" if r is None else f"{r:.3f}" for r in ratios)
+            numbers = (f"{1000 * state.speed:.4f}", speed, f"{state.yaw_rate:.6f}", turn)
+            rows.append((name, *numbers, f"{state.curvature:.4f}"))
+        return html_table(f"Models on {self.gait!r}", rows, head=head)
 
 
 def compare(
