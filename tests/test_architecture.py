@@ -108,7 +108,9 @@ def test_public_names_are_declared_and_documented():
     assert sorted(set(rr.__all__)) == sorted(rr.__all__)
     for name in rr.__all__:
         item = getattr(rr, name)
-        assert item.__doc__, f"{name} has no docstring"
+        # A dataclass without one is given its own signature, a subclass its parent's.
+        text = vars(item).get("__doc__") if inspect.isclass(item) else item.__doc__
+        assert text and not text.startswith(f"{name}("), f"{name} has no docstring"
 
 
 def test_importing_stays_light():
