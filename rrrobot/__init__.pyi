@@ -31,6 +31,7 @@ from rrrobot.drive.gaits import SinusoidalGait as SinusoidalGait
 from rrrobot.drive.gaits import StillLegs as StillLegs
 from rrrobot.drive.gaits import gait as gait
 from rrrobot.drive.samples import SampledGait as SampledGait
+from rrrobot.drive.tables import gait_from_dict as gait_from_dict
 from rrrobot.drive.tables import gait_table as gait_table
 from rrrobot.drive.tables import read_gait as read_gait
 from rrrobot.drive.torques import LegTorques as LegTorques
@@ -64,7 +65,6 @@ from rrrobot.simulation.run import simulate as simulate
 from rrrobot.simulation.steady import SteadyState as SteadyState
 from rrrobot.simulation.trajectory import Trajectory as Trajectory
 from rrrobot.studies.optimisation.pareto import pareto_front as pareto_front
-from rrrobot.studies.optimisation.result import gait_from_dict as gait_from_dict
 from rrrobot.studies.optimisation.run import optimise as optimise
 from rrrobot.studies.optimisation.table import GaitLimits as GaitLimits
 from rrrobot.studies.sweeps.run import sweep as sweep

@@ -15,6 +15,7 @@ from rrrobot.drive.moves import one_leg_gait as one_leg_gait
 from rrrobot.drive.moves import out_of_phase_gait as out_of_phase_gait
 from rrrobot.drive.samples import SampledGait as SampledGait
 from rrrobot.drive.tables import GaitTable as GaitTable
+from rrrobot.drive.tables import gait_from_dict as gait_from_dict
 from rrrobot.drive.tables import gait_table as gait_table
 from rrrobot.drive.tables import read_gait as read_gait
 from rrrobot.drive.tables import write_gait as write_gait

@@ -6,7 +6,7 @@ import csv
 import io
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -159,6 +159,27 @@ def write_gait(gait: Gait, path: str | Path) -> Path:
     return write_whole(target, (json.dumps(gait.to_dict(), indent=1) + "\n").encode())
 
 
+def gait_from_dict(data: Mapping[str, Any]) -> Gait:
+    """The gait that `to_dict` wrote, of any registered kind; see `rrrobot.register`.
+
+    Raises:
+        GaitError: no such kind, or numbers that are missing or out of range.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> rr.gait_from_dict(rr.gait("lateral").to_dict()).period == rr.gait("lateral").period
+        True
+    """
+    try:
+        gait: Gait = serial.from_dict(data, Gait, "gait")  # type: ignore[type-abstract]
+    except ParameterError as error:
+        raise error if isinstance(error, GaitError) else GaitError(str(error)) from None
+    except (TypeError, KeyError) as error:
+        kind = data.get("type")
+        raise GaitError(f"the {kind} gait has not the entries that it needs: {error}.") from None
+    return gait
+
+
 def read_gait(path: str | Path) -> Gait:
     """The gait of a file.
 
@@ -183,8 +204,8 @@ def read_gait(path: str | Path) -> Gait:
         data = json.loads(source.read_text(encoding="utf-8"))
         if isinstance(data, dict) and "type" not in data and "gait" in data:
             data = data["gait"]
-        made: Gait = serial.from_dict(data, Gait, "gait")  # type: ignore[type-abstract]
-    except (OSError, ValueError, TypeError, KeyError, ParameterError) as error:
+        made = gait_from_dict(data)
+    except (OSError, ValueError, GaitError) as error:
         raise GaitError(
             f"cannot read the gait {str(path)!r}: {str(error).rstrip('.')}. It is a .json file "
             "that a gait's to_dict wrote, or a .csv table of times and angles."

@@ -9,7 +9,6 @@ from rrrobot.studies.optimisation.goals import TightestTurn as TightestTurn
 from rrrobot.studies.optimisation.pareto import ParetoFront as ParetoFront
 from rrrobot.studies.optimisation.pareto import pareto_front as pareto_front
 from rrrobot.studies.optimisation.result import OptimisedGait as OptimisedGait
-from rrrobot.studies.optimisation.result import gait_from_dict as gait_from_dict
 from rrrobot.studies.optimisation.run import optimise as optimise
 from rrrobot.studies.optimisation.table import GaitLimits as GaitLimits
 from rrrobot.studies.sweeps.run import sweep as sweep
