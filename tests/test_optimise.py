@@ -12,7 +12,7 @@ import pytest
 import rrrobot as rr
 from rrrobot.drive.gaits import FourierGait, SinusoidalGait
 from rrrobot.drive.tables import gait_from_dict
-from rrrobot.figures.pareto import pareto
+from rrrobot.figures.fronts import pareto
 from rrrobot.models.base import Model
 from rrrobot.momentum.batch import Gaits, lower, steady_states
 from rrrobot.momentum.coefficients import coefficients

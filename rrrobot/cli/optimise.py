@@ -252,7 +252,7 @@ def _report(found: ParetoFront | OptimisedGait, files: dict[str, Path], *, as_js
     text = to_json(found.to_dict())
     if isinstance(found, ParetoFront):
         from rrrobot.drawing import write_figure
-        from rrrobot.figures.pareto import pareto
+        from rrrobot.figures.fronts import pareto
 
         write_figure(pareto(found), files["pareto"])
     if "out" in files:

@@ -318,7 +318,7 @@ class Model(ABC):
         locked = [i for i in range(3) if i not in self.axes and values[i] != 0]
         if locked:
             raise ModelError(
-                f"{name} is {values.tolist()} (roll, pitch, yaw): the {self.name} model locks axes "
+                f"{name} is {values.tolist()} (roll, pitch, yaw): the {self.name} model locks "
                 f"{', '.join(('roll', 'pitch', 'yaw')[i] for i in locked)}: zero is needed there."
             )
 
