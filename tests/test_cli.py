@@ -231,7 +231,7 @@ def test_tables_are_the_trajectory_s(tmp_path: Path) -> None:
     ],
 )
 def test_grounds(text: str, normal: tuple[float, ...]) -> None:
-    data = simulated(*SHORT, "--gait", "still", "--ground", text)
+    data = simulated(*SHORT, "--damping-kind", "body", "--ground", text)
     assert data["model"]["ground"]["normal"] == pytest.approx(normal, abs=1e-15)
 
 

@@ -1,18 +1,24 @@
 """What a notebook shows: whole HTML, escaped, without a network, with pyplot and without."""
 
+import base64
 import dataclasses
+import io
 import pickle
 import re
 import subprocess
 import sys
+import time
 from html.parser import HTMLParser
 
+import numpy as np
 import pytest
+from PIL import Image
 
 import rrrobot as rr
 from rrrobot.drawing import new_axes, new_figure
 from rrrobot.inline import html_frame, html_table
 from rrrobot.studies.optimisation.goals import FastestTravel
+from tests.browser import Browser, find_browser
 
 VOID = {"img", "br", "meta", "link", "input", "hr"}
 
@@ -146,3 +152,32 @@ for thing in (t.plot("path"), t.plot("all"), t, rr.show(t)):
         "image/png text/plain", "image/png text/plain", "text/html text/plain",
         "text/html text/plain",
     ]  # fmt: skip
+
+
+@pytest.mark.skipif(find_browser() is None, reason="no Chromium or Chrome")
+def test_a_notebook_s_page_plays_the_film_and_asks_for_nothing(run, tmp_path):
+    page = tmp_path / "notebook.html"
+    cells = run.steady_state()._repr_html_() + run._repr_html_() + rr.show(run)._repr_html_()
+    page.write_text(f"<!DOCTYPE html><meta charset='utf-8'><body>{cells}</body>")
+
+    def picture():
+        answer = browser.call("Page.captureScreenshot", format="png")
+        with Image.open(io.BytesIO(base64.b64decode(answer["data"]))) as image:
+            return np.asarray(image.convert("RGB"), dtype=int)
+
+    with Browser((800, 600)) as browser:
+        browser.call("Page.navigate", url=page.as_uri())
+        browser.wait_for("document.readyState == 'complete' && document.images.length == 1")
+        assert browser.run("document.images[0].naturalWidth") > 500
+        browser.run("document.querySelector('iframe').scrollIntoView()")
+        end = time.monotonic() + 30
+        while picture().std() < 5:
+            assert time.monotonic() < end, "the frame stays empty"
+            time.sleep(0.3)
+        time.sleep(1.0)
+        first = picture()
+        while np.abs(picture() - first).mean() < 0.5:
+            assert time.monotonic() < end, "the film does not play"
+            time.sleep(0.3)
+        assert browser.problems == []
+        assert {r.split(":")[0] for r in browser.requests} <= {"file", "data", "blob", "about"}
