@@ -1,123 +1,7 @@
-"""rrrobot: legless locomotion of round robots. See README.md."""
+"""rrrobot: legless locomotion of round robots. See README.md.
 
-from rrrobot import paper
-from rrrobot.constraints import (
-    Constraint,
-    Instant,
-    PrescribedJoints,
-    RollingContact,
-    contact_drift,
-    contact_jacobian,
-    contact_point,
-)
-from rrrobot.contact.boulder import Boulder
-from rrrobot.contact.convexity import check_convex
-from rrrobot.contact.graph import Graph
-from rrrobot.contact.ground import Ground, Plane
-from rrrobot.contact.kinematics import contact_path, contact_velocity, sphere_contact_rate
-from rrrobot.contact.shells import EllipsoidSum, FlatBelly
-from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
-from rrrobot.drive.damping import BodyRateDamping, Damping, EulerRateDamping
-from rrrobot.drive.gaits import (
-    CallableGait,
-    FourierGait,
-    Gait,
-    LegMotion,
-    RampIn,
-    SinusoidalGait,
-    StillLegs,
-    gait,
-)
-from rrrobot.drive.moves import LegMoves, one_leg_gait, out_of_phase_gait
-from rrrobot.drive.torques import LegTorques, MotionState
-from rrrobot.errors import (
-    ConstraintError,
-    GaitError,
-    GroundClearanceWarning,
-    MissingExtraError,
-    ModelError,
-    OutputError,
-    ParameterError,
-    RRRobotError,
-    ShellError,
-    SimulationError,
-    SimulationInterrupted,
-    SweepInterrupted,
-    UrdfError,
-)
-from rrrobot.kkt import (
-    ConstraintRows,
-    KKTSolution,
-    KKTSystem,
-    kkt_build,
-    kkt_solve,
-    projected_acceleration,
-    rolling_null_space,
-    rolling_projector,
-)
-from rrrobot.models.full import FullModel
-from rrrobot.models.pivoting import PivotingModel
-from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
-from rrrobot.orbits.oscillations import (
-    Mode,
-    PeriodRow,
-    equilibrium,
-    measured_period,
-    modes,
-    table_3,
-)
-from rrrobot.paper.closed_forms import (
-    composite_period,
-    pitch_response,
-    rolling_pendulum_period,
-    simple_pendulum_period,
-    static_pitch,
-    yaw_mass_matrix,
-)
-from rrrobot.paper.run import reproduce
-from rrrobot.paper.table4 import Table4, table_4
-from rrrobot.reduction.checks import (
-    Controllability,
-    Reducibility,
-    controllability,
-    path_controllability,
-    reducibility,
-)
-from rrrobot.reduction.connection import Connection, rotation_connection
-from rrrobot.reduction.cycles import OptimalCycle, optimal_cycle
-from rrrobot.reduction.heights import height_grid, zero_set
-from rrrobot.reduction.yaw import net_yaw
-from rrrobot.robot.examples import example_robots
-from rrrobot.robot.parameters import RRRobotParameters
-from rrrobot.robot.robot import Robot
-from rrrobot.robot.urdf import reduced_urdf, rrrobot_urdf, urdf_path
-from rrrobot.serial import register
-from rrrobot.simulation.recombined import decoupled
-from rrrobot.simulation.run import simulate
-from rrrobot.simulation.steady import SteadyState
-from rrrobot.simulation.trajectory import Trajectory
-from rrrobot.steering.yaw_planner import YawPlan, plan_yaw
-from rrrobot.studies.comparison import (
-    Comparison,
-    compare,
-    matching_yaw_amplitude,
-    yaw_drift,
-)
-from rrrobot.studies.optimisation.goals import (
-    FastestTravel,
-    LeastEffort,
-    TargetMotion,
-    TightestTurn,
-)
-from rrrobot.studies.optimisation.pareto import ParetoFront, pareto_front
-from rrrobot.studies.optimisation.result import OptimisedGait, gait_from_dict
-from rrrobot.studies.optimisation.run import optimise
-from rrrobot.studies.optimisation.table import GaitLimits
-from rrrobot.studies.sweeps.run import sweep
-from rrrobot.studies.sweeps.variants import DecoupledModels
-from rrrobot.view.viewer import Viewer, record
 
-__all__ = [
+"""
     "BodyRateDamping",
     "Boulder",
     "CallableGait",
@@ -238,4 +122,117 @@ __all__ = [
     "yaw_drift",
     "yaw_mass_matrix",
     "zero_set",
+)
+All load when they are first used. What is public stands in the stub, `__init__.pyi`.
+    CallableGait,
+    Comparison,
+    Constraint,
+    ConstraintError,
+    ConstraintRows,
+    Controllability,
+    FastestTravel,
+    FourierGait,
+    Gait,
+    GaitError,
+    GroundClearanceWarning,
+    Instant,
+    KKTSolution,
+    KKTSystem,
+    LeastEffort,
+    LegMotion,
+    MissingExtraError,
+    Mode,
+    ModelError,
+    OutputError,
+    ParameterError,
+    PeriodRow,
+    PrescribedJoints,
+    RRRobotError,
+    RampIn,
+    Reducibility,
+    RollingContact,
+    ShellError,
+    SimulationError,
+    SimulationInterrupted,
+    SinusoidalGait,
+    StillLegs,
+    SweepInterrupted,
+    TargetMotion,
+The names at the top are what most scripts need; each room has its own, such as `rr.reduction`.
+    TightestTurn,
+    UrdfError,
 ]
+__all__ = [
+__getattr__, __dir__, __all__ = face(__name__, __file__)
+    compare,
+    composite_period,
+    contact_drift,
+    contact_jacobian,
+    contact_point,
+    controllability,
+    equilibrium,
+from rrrobot import paper
+from rrrobot.constraints import (
+from rrrobot.contact.boulder import Boulder
+from rrrobot.contact.convexity import check_convex
+from rrrobot.contact.graph import Graph
+from rrrobot.contact.ground import Ground, Plane
+from rrrobot.contact.kinematics import contact_path, contact_velocity, sphere_contact_rate
+from rrrobot.contact.shells import EllipsoidSum, FlatBelly
+from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
+from rrrobot.drive.damping import BodyRateDamping, Damping, EulerRateDamping
+from rrrobot.drive.gaits import (
+from rrrobot.drive.moves import LegMoves, one_leg_gait, out_of_phase_gait
+from rrrobot.drive.torques import LegTorques, MotionState
+from rrrobot.errors import (
+from rrrobot.kkt import (
+from rrrobot.lazy import face
+from rrrobot.models.full import FullModel
+from rrrobot.models.pivoting import PivotingModel
+from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
+from rrrobot.orbits.oscillations import (
+from rrrobot.paper.closed_forms import (
+from rrrobot.paper.run import reproduce
+from rrrobot.paper.table4 import Table4, table_4
+from rrrobot.reduction.checks import (
+from rrrobot.reduction.connection import Connection, rotation_connection
+from rrrobot.reduction.cycles import OptimalCycle, optimal_cycle
+from rrrobot.reduction.heights import height_grid, zero_set
+from rrrobot.reduction.yaw import net_yaw
+from rrrobot.robot.examples import example_robots
+from rrrobot.robot.parameters import RRRobotParameters
+from rrrobot.robot.robot import Robot
+from rrrobot.robot.urdf import reduced_urdf, rrrobot_urdf, urdf_path
+from rrrobot.serial import register
+from rrrobot.simulation.recombined import decoupled
+from rrrobot.simulation.run import simulate
+from rrrobot.simulation.steady import SteadyState
+from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.steering.yaw_planner import YawPlan, plan_yaw
+from rrrobot.studies.comparison import (
+from rrrobot.studies.optimisation.goals import (
+from rrrobot.studies.optimisation.pareto import ParetoFront, pareto_front
+from rrrobot.studies.optimisation.result import OptimisedGait, gait_from_dict
+from rrrobot.studies.optimisation.run import optimise
+from rrrobot.studies.optimisation.table import GaitLimits
+from rrrobot.studies.sweeps.run import sweep
+from rrrobot.studies.sweeps.variants import DecoupledModels
+from rrrobot.view.viewer import Viewer, record
+    gait,
+    kkt_build,
+    kkt_solve,
+    matching_yaw_amplitude,
+    measured_period,
+    modes,
+    path_controllability,
+    pitch_response,
+    projected_acceleration,
+    reducibility,
+    rolling_null_space,
+    rolling_pendulum_period,
+    rolling_projector,
+    simple_pendulum_period,
+    static_pitch,
+    table_3,
+    yaw_drift,
+    yaw_mass_matrix,

@@ -103,6 +103,7 @@ class FullModel(Model):
         return poses[:, :4]
 
     def trouble(self, pose: Array) -> str | None:
+        """Why the contact at a pose (n_pose,) is no longer one that rolls, or None."""
         if self._fixed_arm is not None:
             return None
         rotation = rotation_from_quaternion(pose[:4] / sqrt(pose[:4] @ pose[:4]))

@@ -19,6 +19,8 @@ from rrrobot.robot.robot import Robot
 from rrrobot.robot.urdf import ReducedKind
 from rrrobot.rotations import quaternion_from_euler, rotation_from_euler
 
+_CHAINS: tuple[ReducedKind, ...] = ("roll", "pitch", "yaw")
+
 
 class SingleAxisModel(Model):
     """A robot whose body turns about one axis only.
@@ -38,7 +40,7 @@ class SingleAxisModel(Model):
         self, robot: Robot, *, ground: Ground | None = None, damping: DampingLike = OWN
     ) -> None:
         ground = Plane() if ground is None else ground
-        kind: ReducedKind = self.name  # type: ignore[assignment]
+        kind = _CHAINS[self.axis]
         self.radius = pivot_radius(robot, kind, ground)
         model = reduced_model(robot, kind, ground, gravity=self.row is not None)
         constraints: tuple[Constraint, ...] = ()

@@ -350,7 +350,8 @@ class EulerTrack:
                 "model's damping or coordinates, are singular; swing the legs less, or use the "
                 "full model with BodyRateDamping"
             )
-        return self.model.trouble(y[: self.model.n_pose])
+        full = isinstance(self.model, FullModel)
+        return self.model.trouble(y[: self.model.n_pose]) if full else None
 
 
 def _describe(model: Model, y: Array) -> str:
