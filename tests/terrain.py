@@ -7,9 +7,10 @@ from dataclasses import replace
 import numpy as np
 
 import rrrobot as rr
+from rrrobot import serial
 
 
-@rr.register("test egg")
+@serial.register("test egg")
 class Egg(rr.Surface):
     """h = r |u| + e u_x^3 / |u|^2: not even, so its two ends differ."""
 
@@ -72,7 +73,7 @@ def robot(shell: rr.Surface) -> rr.Robot:
     return replace(rr.Robot.from_parameters(), shell=shell)
 
 
-def model(shell: rr.Surface, ground: rr.Ground) -> rr.FullModel:
+def model(shell: rr.Surface, ground: rr.contact.Ground) -> rr.FullModel:
     """Its full model, with the paper's damping."""
     return rr.FullModel(robot(shell), ground=ground, damping=0.01)
 

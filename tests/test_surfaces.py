@@ -31,7 +31,7 @@ def test_sphere_shortcuts_are_the_general_formulas(sphere, rotation, omega, norm
     arm = general.arm(sphere, rotation, normal)
     np.testing.assert_allclose(sphere.arm(rotation, normal), arm, atol=1e-15)
     np.testing.assert_allclose(sphere.fixed_arm(normal), arm, atol=1e-15)
-    moving = rr.contact_velocity(sphere, rotation, omega, normal)
+    moving = rr.contact.contact_velocity(sphere, rotation, omega, normal)
     np.testing.assert_allclose(np.cross(omega, arm) + moving, 0, atol=1e-14)
 
 
@@ -77,7 +77,7 @@ def test_round_ellipsoid_is_a_sphere(radius, u, rotation, omega):
     np.testing.assert_allclose(round_one.contact(u), sphere.contact(u), atol=1e-14)
     np.testing.assert_allclose(round_one.hessian(u), sphere.hessian(u), atol=1e-14)
     np.testing.assert_allclose(round_one.arm(rotation, u), sphere.arm(rotation, u), atol=1e-14)
-    moving = rr.contact_velocity(round_one, rotation, omega, u)
+    moving = rr.contact.contact_velocity(round_one, rotation, omega, u)
     np.testing.assert_allclose(moving, radius * np.cross(omega, u), atol=1e-13)
     assert round_one.fixed_arm(u) is None
 
@@ -90,7 +90,7 @@ def test_arm_rate_is_the_rate_of_the_arm(shell, rotation, omega, normal):
         shell.arm(Rotation.from_rotvec(sign * h * omega).as_matrix() @ rotation, normal)
         for sign in (1, -1)
     )
-    moving = rr.contact_velocity(shell, rotation, omega, normal)
+    moving = rr.contact.contact_velocity(shell, rotation, omega, normal)
     rate = np.cross(omega, shell.arm(rotation, normal)) + moving
     np.testing.assert_allclose((ahead - behind) / (2 * h), rate, atol=1e-6)
     # The contact point stays on the plane.

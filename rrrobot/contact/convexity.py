@@ -43,7 +43,7 @@ def check_convex(surface: Surface) -> float:
 
     Example:
         >>> import rrrobot as rr
-        >>> rr.check_convex(rr.Ellipsoid((0.2, 0.1, 0.1))).round(4)
+        >>> rr.contact.check_convex(rr.Ellipsoid((0.2, 0.1, 0.1))).round(4)
         np.float64(0.05)
     """
     directions = sphere_directions(_DIRECTIONS)

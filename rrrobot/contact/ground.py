@@ -148,6 +148,10 @@ class Plane(Ground):
 
 def ground_from_dict(data: dict[str, Any]) -> Ground:
     """The ground that `to_dict` wrote."""
+    # All of the room register as they load.
+    import rrrobot.contact.boulder
+    import rrrobot.contact.graph  # noqa: F401
+
     return serial.from_dict(data, Ground, "ground")  # type: ignore[type-abstract]
 
 

@@ -52,7 +52,7 @@ class Surface(ABC):
         ...         return 0.12 * round_part + 0.03 * bump
         ...     def to_dict(self):
         ...         return {"type": "egg"}
-        >>> rr.check_convex(Egg()).round(3)
+        >>> rr.contact.check_convex(Egg()).round(3)
         np.float64(0.06)
     """
 
@@ -184,4 +184,7 @@ def surface_from_dict(data: dict[str, Any]) -> Surface:
     Raises:
         ParameterError: no such type is registered.
     """
+    # All of the room register as they load.
+    import rrrobot.contact.shells  # noqa: F401
+
     return serial.from_dict(data, Surface, "shell")  # type: ignore[type-abstract]
