@@ -113,7 +113,9 @@ def test_a_boulder_that_grows_becomes_a_plane():
     euler = {"euler": START, "method": "momentum", "step": 0.02}
     plane = rr.simulate(model(EL, LEVEL), GAIT, 2.0, 2.0, **euler).euler[-1]
     off = [
-        np.abs(rr.simulate(model(EL, rr.Boulder(r)), GAIT, 2.0, 2.0, **euler).euler[-1] - plane).max()
+        np.abs(
+            rr.simulate(model(EL, rr.Boulder(r)), GAIT, 2.0, 2.0, **euler).euler[-1] - plane
+        ).max()
         for r in (1e4, 1e6)
     ]
     assert off[0] < 1e-4
@@ -153,9 +155,7 @@ def test_steady_states_are_those_of_a_simulation(name):
     full = model(*PAIRS[name])
     many = gaits(3)
     found = steady_states(lower(full), many, cycles=38, counted=20, steps_per_cycle=20, loads=True)
-    gait = rr.SinusoidalGait(
-        offset=0.8, amplitude=0.3, angular_frequency=8.0, phase=many.phase[1]
-    )
+    gait = rr.SinusoidalGait(offset=0.8, amplitude=0.3, angular_frequency=8.0, phase=many.phase[1])
     period = 2 * np.pi / 8
     t = rr.simulate(full, gait, 38 * period, period / 80, method="momentum", step=period / 80)
     steady = t.steady_state(start=18 * period)

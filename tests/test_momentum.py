@@ -423,7 +423,7 @@ def test_what_the_engine_cannot_do_is_told():
         """A ground of one's own."""
 
     waves = rr.FullModel(rr.Robot.from_parameters(), ground=Waves())
-    with pytest.raises(rr.ModelError, match="does not know the ground .*Waves"):
+    with pytest.raises(rr.ModelError, match=r"does not know the ground .*Waves"):
         rr.simulate(waves, rr.gait("lateral"), 1.0, method="momentum")
     torques = rr.LegTorques((0.0, 0.0), angle=(1.5, 1.5))
     level = rr.FullModel(rr.Robot.from_parameters())

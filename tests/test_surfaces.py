@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 import rrrobot as rr
 from rrrobot.contact.ground import ground_basis
-from rrrobot.contact.surfaces import surface_from_dict
+from rrrobot.contact.saved import surface_from_dict
 from rrrobot.rotations import rotation_from_quaternion
 from tests.strategies import directions, examples, vectors
 

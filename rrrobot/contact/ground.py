@@ -146,15 +146,6 @@ class Plane(Ground):
         return f"Plane({', '.join(parts)})"
 
 
-def ground_from_dict(data: dict[str, Any]) -> Ground:
-    """The ground that `to_dict` wrote."""
-    # All of the room register as they load.
-    import rrrobot.contact.boulder
-    import rrrobot.contact.graph  # noqa: F401
-
-    return serial.from_dict(data, Ground, "ground")  # type: ignore[type-abstract]
-
-
 def normals(ground: Ground, coordinates: Array) -> Array:
     """Unit normals (n, 3) at ground coordinates (n, 2)."""
     fixed = ground.fixed_normal

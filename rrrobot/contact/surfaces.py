@@ -176,15 +176,3 @@ class Ellipsoid(Surface):
 
     def to_dict(self) -> dict[str, Any]:
         return {"type": "ellipsoid", "semi_axes": list(self.semi_axes)}
-
-
-def surface_from_dict(data: dict[str, Any]) -> Surface:
-    """The shell that `to_dict` wrote.
-
-    Raises:
-        ParameterError: no such type is registered.
-    """
-    # All of the room register as they load.
-    import rrrobot.contact.shells  # noqa: F401
-
-    return serial.from_dict(data, Surface, "shell")  # type: ignore[type-abstract]

@@ -13,7 +13,8 @@ from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite, vector
 from rrrobot.contact.convexity import check_convex
-from rrrobot.contact.surfaces import SHELL_FRAME, Sphere, Surface, surface_from_dict
+from rrrobot.contact.saved import surface_from_dict
+from rrrobot.contact.surfaces import SHELL_FRAME, Sphere, Surface
 from rrrobot.errors import ShellError, UrdfError
 from rrrobot.inline import html_table
 from rrrobot.robot.examples import example_urdf

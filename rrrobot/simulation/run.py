@@ -110,8 +110,9 @@ def simulate(
             raise GaitError("method 'momentum' needs a prescribed gait; use 'kkt' for torques.")
         # Numba loads here, so that it costs nobody who does not use it.
         from rrrobot.momentum.run import run
+        from rrrobot.momentum.terrain import fineness
 
-        longest = stepping.checked().step or stepping.max_step
+        longest = stepping.checked().step or stepping.max_step / fineness(model.robot.shell)
         result = run(model, gait, y0, times, longest, observer=track, progress=progress)
         stepping = stepping._replace(step=longest)
     else:
