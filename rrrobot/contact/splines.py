@@ -7,7 +7,7 @@ compiled engine evaluates.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -112,7 +112,6 @@ def _along(values: Array) -> Array:
     n = len(values)
     knots = np.arange(-DEGREE, n + DEGREE, dtype=float)
     flat = [(3, np.zeros(values.shape[1])), (4, np.zeros(values.shape[1]))]
-    spline = make_interp_spline(
-        np.arange(n, dtype=float), values, k=DEGREE, t=knots, bc_type=(flat, flat)
-    )
+    ends: Any = (flat, flat)
+    spline = make_interp_spline(np.arange(n, dtype=float), values, k=DEGREE, t=knots, bc_type=ends)
     return np.asarray(spline.c)

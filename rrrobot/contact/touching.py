@@ -82,7 +82,7 @@ def touch_near(surface: Surface, ground: Ground, rotation: Array, origin: Array)
         gap = origin + arm - point
         along = gap - (gap @ normal) * normal
         hessian = rotation @ surface.hessian(-rotation.T @ normal) @ rotation.T
-        move = np.linalg.solve(np.eye(3) + hessian @ ground.curvature(point), along)
+        move: Array = np.linalg.solve(np.eye(3) + hessian @ ground.curvature(point), along)
         coordinates = coordinates + ground.coordinate_rates(point, move)
         if move @ move < _STILL**2:
             break
@@ -94,7 +94,7 @@ def contact_rate(
 ) -> Array:
     """P_dot = R x_dot (3,) [m/s] of a shell that rolls with omega_world (3,) [rad/s]."""
     if isinstance(surface, FlatBelly):
-        return ground.radius * np.cross(omega_world, contact.normal)  # type: ignore[attr-defined, no-any-return]
+        return ground.radius * np.cross(omega_world, contact.normal)  # type: ignore[attr-defined]
     curvature = None if ground.fixed_normal is not None else ground.curvature(contact.point)
     return contact_velocity(surface, rotation, omega_world, contact.normal, curvature)
 

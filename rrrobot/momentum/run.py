@@ -105,7 +105,8 @@ def _coefficients(setting: Setting, gait: Gait, instants: Array) -> Array:
         bad = ~np.all(np.isfinite(motion.angle) & np.isfinite(motion.rate), axis=1)
         raise GaitError(f"the gait is not finite at t = {instants[bad][0]:.6g} s.")
     table = np.empty((len(instants), N_COEFFICIENTS))
-    fill(setting.tree, *(np.ascontiguousarray(part) for part in motion[:2]), table)
+    angle, rate = np.ascontiguousarray(motion.angle), np.ascontiguousarray(motion.rate)
+    fill(setting.tree, angle, rate, table)
     return table
 
 

@@ -351,8 +351,8 @@ class EulerTrack:
                 "model's damping or coordinates, are singular; swing the legs less, or use the "
                 "full model with BodyRateDamping"
             )
-        full = isinstance(self.model, FullModel)
-        return self.model.trouble(y[: self.model.n_pose]) if full else None
+        model = self.model
+        return model.trouble(y[: model.n_pose]) if isinstance(model, FullModel) else None
 
 
 def _describe(model: Model, y: Array) -> str:
