@@ -34,6 +34,7 @@ from rrrobot.errors import (
     ModelError,
     OutputError,
     ParameterError,
+    PlanError,
     RRRobotError,
     ShellError,
     SimulationError,
@@ -92,6 +93,7 @@ from rrrobot.simulation.recombined import decoupled
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.steady import SteadyState
 from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.steering.planner import Plan, plan
 from rrrobot.steering.yaw_planner import YawPlan, plan_yaw
 from rrrobot.studies.comparison import (
     Comparison,
@@ -153,6 +155,8 @@ __all__ = [
     "PeriodRow",
     "PitchModel",
     "PivotingModel",
+    "Plan",
+    "PlanError",
     "Plane",
     "PrescribedJoints",
     "RRRobotError",
@@ -206,6 +210,7 @@ __all__ = [
     "pareto_front",
     "path_controllability",
     "pitch_response",
+    "plan",
     "plan_yaw",
     "projected_acceleration",
     "record",
