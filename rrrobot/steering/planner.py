@@ -27,7 +27,7 @@ from rrrobot.steering.arcs import joined, path
 from rrrobot.steering.lattice import around
 from rrrobot.steering.motions import Motions, corners, motions_of
 from rrrobot.steering.obstacles import Obstacle, free_distance
-from rrrobot.steering.shooting import Knobs, Rest, Shot, final_poses, gap, rest_of, shoot
+from rrrobot.steering.shooting import Knobs, Rest, Shot, final_poses, gap, off, rest_of, shoot
 
 CYCLES_OF_BLEND = 2
 _CANDIDATES, _SHOTS = 48, 6
@@ -216,28 +216,25 @@ class _Drive:
         start, goal = stops[0], stops[-1]
         tail = self.rest.settling
         rough = final_poses(self.model, [k.make(x) for k, x in knobs], start, self.rest, tail=tail)
-        off = np.abs(gap(rough, goal) / (0.05, 0.05, 0.3)).max(axis=1)
+        away = np.abs(gap(rough, goal) / (0.05, 0.05, 0.3)).max(axis=1)
         times = np.array([k.make(x).duration for k, x in knobs])
         # Far off and long are both bad; those that fail in the rough are left out.
-        order = np.argsort(np.where(np.isfinite(off), off + times / 15.0, np.inf), kind="stable")
-        limits = np.array((tolerance[0] / np.sqrt(2), tolerance[0] / np.sqrt(2), tolerance[1]))
+        order = np.argsort(np.where(np.isfinite(away), away + times / 15.0, np.inf), kind="stable")
         nearest: Plan | None = None
         blocked = False
         for i in order[:_SHOTS]:
             shot = shoot(
-                self.model, knobs[i][0], knobs[i][1], start, goal, self.rest, tolerance=limits,
+                self.model, knobs[i][0], knobs[i][1], start, goal, self.rest, tolerance=tolerance,
                 tail=tail,
             )  # fmt: skip
             if not np.all(np.isfinite(shot.error)):
                 continue
             found = self._made(shot, stops, ways[i])
-            if np.all(np.abs(shot.error) <= limits):
+            if off(shot.error, tolerance) <= 1.0:
                 if self._clear(found):
                     return found
                 blocked = True
-            elif nearest is None or np.abs(found.error / limits).max() < np.abs(
-                nearest.error / limits
-            ).max():  # fmt: skip
+            elif nearest is None or off(found.error, tolerance) < off(nearest.error, tolerance):
                 nearest = found
         why = (
             "the exact motion comes nearer to an obstacle than the margin"

@@ -117,7 +117,7 @@ def shoot(
     goal: Array,
     rest: Rest,
     *,
-    tolerance: Array,
+    tolerance: tuple[float, float],
     tail: float,
     rounds: int = 12,
 ) -> Shot:
@@ -132,26 +132,27 @@ def shoot(
         guess: to begin with (k,).
         start, goal: resting poses (x, y, yaw) (3,) [m, m, rad].
         rest: how the robot stands there.
-        tolerance: of x, y and yaw (3,) [m, m, rad].
+        tolerance: of the place [m] and the yaw [rad].
         tail: see `final_poses`.
         rounds: at most.
 
     Returns:
         the best that was found, whether it is within the tolerance or not.
     """
-    scale, best, share = 1.0 / tolerance, None, 1.0
+    best, share = None, 1.0
+    scale = 1.0 / np.array((tolerance[0], tolerance[0], tolerance[1]))
     now = np.clip(guess, knobs.low, knobs.high)
     for number in range(1, rounds + 1):
         nudge = 1e-3 * knobs.unit * np.where(now + 1e-3 * knobs.unit > knobs.high, -1.0, 1.0)
         trials = [now, *(now + np.diag(nudge))]
         found = final_poses(model, [knobs.make(x) for x in trials], start, rest, tail=tail)
         error = gap(found[0], goal)
-        size = float(np.abs(error * scale).max())
+        size = off(error, tolerance)
         if not np.isfinite(size):
             share *= 0.5
             if best is None or share < 0.05:
                 break
-        elif best is None or size < np.abs(best.error * scale).max():
+        elif best is None or size < off(best.error, tolerance):
             best = Shot(knobs.make(now), found[0], error, number)
             kept, slope = now, (found[1:] - found[0]).T / nudge * knobs.unit
             share = min(1.0, 2.0 * share)
@@ -179,6 +180,11 @@ def shoot(
         nowhere = np.full(3, np.nan)
         return Shot(knobs.make(now), nowhere, nowhere, rounds)
     return best
+
+
+def off(error: Array, tolerance: tuple[float, float]) -> float:
+    """Distance and angle of an error (3,), the larger in units of its tolerance."""
+    return float(max(np.hypot(error[0], error[1]) / tolerance[0], abs(error[2]) / tolerance[1]))
 
 
 def gap(pose: Array, goal: Array) -> Array:
