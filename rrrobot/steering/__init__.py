@@ -1,7 +1,5 @@
-"""From a wanted motion to leg motions: plans, obstacles, the yaw planner."""
+"""Plans that bring the robot where it shall be."""
 
-from rrrobot.steering.obstacles import Disc, Polygon
-from rrrobot.steering.planner import Plan, plan
-from rrrobot.steering.yaw_planner import YawPlan, plan_yaw
+from rrrobot.lazy import face
 
-__all__ = ["Disc", "Plan", "Polygon", "YawPlan", "plan", "plan_yaw"]
+__getattr__, __dir__, __all__ = face(__name__, __file__)
