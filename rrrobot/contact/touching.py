@@ -82,7 +82,7 @@ def touch_near(surface: Surface, ground: Ground, rotation: Array, origin: Array)
         gap = origin + arm - point
         along = gap - (gap @ normal) * normal
         hessian = rotation @ surface.hessian(-rotation.T @ normal) @ rotation.T
-        move: Array = np.linalg.solve(np.eye(3) + hessian @ ground.curvature(point), along)
+        move = np.asarray(np.linalg.solve(np.eye(3) + hessian @ ground.curvature(point), along))
         coordinates = coordinates + ground.coordinate_rates(point, move)
         if move @ move < _STILL**2:
             break
