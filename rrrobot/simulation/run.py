@@ -77,8 +77,8 @@ def simulate(
         step: fixed step [s]; adaptive if None.
         rtol, atol: local error tolerances of the adaptive step, which is at most 0.04 s and a
             twelfth of the gait's period.
-        method: "kkt", the general form; or "momentum", the fast form for prescribed legs on a
-            sphere on level ground, with fixed steps of at most `step` that end at the samples.
+        method: "kkt", the general form; or "momentum", the fast form for prescribed legs on any
+            shell and ground of ours, with fixed steps of at most `step` that end at the samples.
             Forces and torques are Pinocchio's in either.
         progress: called with the simulated time after each step.
 
