@@ -73,7 +73,7 @@ def leg_angles(robot: Robot, ax: Axes, angles: ArrayLike) -> None:
     for i, (name, angle) in enumerate(zip(robot.legs, np.asarray(angles), strict=True)):
         joint = model.getJointId(name)
         x, _, z = data.oMi[joint].translation
-        size = (0.35 + 0.3 * i) * np.linalg.norm(model.inertias[joint].lever)
+        size = (0.35 + 0.3 * i) * float(np.linalg.norm(model.inertias[joint].lever))
         arc = Arc((x, z), 2 * size, 2 * size, theta1=0, theta2=np.rad2deg(angle), color=BLACK)
         ax.add_patch(arc)
         middle = 0.5 * angle if i else 0.35 * angle
@@ -100,13 +100,13 @@ def _plain(name: str) -> str:
 
 def _length(ax: Axes, start: Array, end: Array, text: str, along: Array) -> None:
     ax.annotate(
-        "", xy=end, xytext=start, zorder=8,
+        "", xy=(end[0], end[1]), xytext=(start[0], start[1]), zorder=8,
         arrowprops={"arrowstyle": "<|-|>", "color": GREY, "lw": 0.9, "shrinkA": 0, "shrinkB": 0},
     )  # fmt: skip
     middle = 0.5 * (start + end)
     upright = abs(end[0] - start[0]) < abs(end[1] - start[1]) and not along.any()
     ax.text(
-        *middle, text, fontsize=FONT - 1, color=BLACK, zorder=9,
+        middle[0], middle[1], text, fontsize=FONT - 1, color=BLACK, zorder=9,
         ha="left" if upright else "center", va="center" if upright else "bottom",
         bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.8},
     )  # fmt: skip
