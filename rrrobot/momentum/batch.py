@@ -92,10 +92,12 @@ def _padded(array: Array) -> Array:
 def _march_block(  # type: ignore[no-untyped-def]
     y, table, par, steps, rows, axis, terrain, rolling, work, history
 ):
-    y, table, par, work, history, terrain, rolling = (
+    y, table, par, work, history, rolling = (
         borrowed(y), borrowed(table), borrowed(par), borrowed(work), borrowed(history),
-        borrowed(terrain), borrowed(rolling),
+        borrowed(rolling),
     )  # fmt: skip
+    if terrain is not None:
+        terrain = borrowed(terrain)
     slopes, total, other, areas, h = work
     for e in range(BLOCK):
         history[0, e] = y[e]

@@ -43,15 +43,16 @@ class Setting(NamedTuple):
     """of the sine of the pitch, where a lane stops; above 1 for models without a singularity"""
     leg_damping: float
     """of the leg joints [N m s/rad], which the motors overcome"""
-    terrain: Terrain
-    """the shell on the ground, where the axis is ANY"""
+    terrain: Terrain | None
+    """the shell on the ground, where the axis is ANY; else None, and the engine is compiled
+    without what it would need"""
     fineness: int
     """how many times the steps of a sphere the shell needs"""
 
     @property
     def periodic(self) -> bool:
         """Whether a settled motion repeats in the body's axes wherever it has come to."""
-        return self.axis != ANY or self.terrain.ground == LEVEL
+        return self.terrain is None or bool(self.terrain.ground == LEVEL)
 
 
 def lower(model: Model) -> Setting:
@@ -72,14 +73,14 @@ def lower(model: Model) -> Setting:
     limit = VERTICAL if model.singular_at_vertical else _ANY_PITCH
     legs, losses = model.damping.leg_coefficient, _damping(model.damping)
     frame = robot.shell_placement
-    terrain = terrain_of(shell, (frame.translation, frame.rotation), model.ground)
     level = type(model.ground) is Plane and model.ground.is_level
     if type(shell) is Sphere and level and shell.radius <= _LARGE:
         rolls, travels = model.rolling is not None, type(model) is not YawModel
         radii = (shell.radius * rolls, shell.radius * travels)
         axis = model.axes[0] if len(model.axes) == 1 else -1
         numbers = np.array((robot.mass, *radii, model.gravity, *losses))
-        return Setting(tree_of(robot), numbers, axis, limit, legs, terrain, 1)
+        return Setting(tree_of(robot), numbers, axis, limit, legs, None, 1)
+    terrain = terrain_of(shell, (frame.translation, frame.rotation), model.ground)
     numbers = np.array((robot.mass, 1.0, 0.0, model.gravity, *losses))
     tree = tree_of(robot, np.zeros(3))
     return Setting(tree, numbers, ANY, limit, legs, terrain, fineness(shell))

@@ -23,7 +23,6 @@ from rrrobot.momentum.coefficients import (
 )
 from rrrobot.momentum.compiled import borrowed, inner, lanes
 from rrrobot.momentum.kernels import (
-    ANY,
     BLOCK,
     DECOUPLED,
     GROUND_END,
@@ -157,7 +156,9 @@ def settle(  # type: ignore[no-untyped-def]
         borrowed(yaw_gaits),
     )
     turns, slope_of, motion = borrowed(turns), borrowed(slope_of), borrowed(motion)
-    terrain, value_of = borrowed(terrain), borrowed(value_of)
+    value_of = borrowed(value_of)
+    if terrain is not None:
+        terrain = borrowed(terrain)
     sine, out = borrowed(sine), borrowed(out)
     n, n_steps = len(out), slope_of.shape[1]
     for first in range(0, n, LANES):
@@ -186,7 +187,7 @@ def settle(  # type: ignore[no-untyped-def]
                 turned = row[3] * period if a == 2 else 0.0
                 harmonic(work.angles, turns, len(work.means), a, turned, i, row)
             if axis != DECOUPLED:
-                if axis == ANY:
+                if terrain is not None:
                     row[14] = least_sum(slope_of, work.lift, period, value_of, work.push, i)
                 else:
                     # M g and the least rate of the vertical momentum.
@@ -239,8 +240,9 @@ def _settle(axis, limit, terrain, first, work, motion, out):  # type: ignore[no-
     y, before, total, other = work.state[0], work.state[1], work.state[2], work.state[3]
     n_steps, counted, n_out = len(work.lift), len(work.means), min(LANES, len(out) - first)
     _begin(axis, y, work.angles, work.sides, work.status, work.largest)
-    for i in range(LANES):
-        work.rolling[ROOM * LANES + i] = work.rolling[DET * LANES + i] = np.inf
+    if terrain is not None:
+        for i in range(LANES):
+            work.rolling[ROOM * LANES + i] = work.rolling[DET * LANES + i] = np.inf
     last, first_end = 0, ends[0]
     for i in range(LANES):
         last, first_end = max(last, ends[i]), min(first_end, ends[i])
@@ -262,7 +264,7 @@ def _settle(axis, limit, terrain, first, work, motion, out):  # type: ignore[no-
                 _check(
                     work.past, known, work.sides, limit, cycle, n, ends, work.largest, work.status
                 )
-                if axis == ANY:
+                if terrain is not None:
                     _check_ground(work.rolling, cycle, n, ends, work.status)
             if cycle == last:
                 break
@@ -276,7 +278,7 @@ def _settle(axis, limit, terrain, first, work, motion, out):  # type: ignore[no-
                         work.angles[n, s * LANES + i] += other[s * LANES + i]
                 if cycle == ends[i] - 1 and axis != DECOUPLED:
                     motion_of(before, slopes, i, work.now)
-                    if axis == ANY:
+                    if terrain is not None:
                         if not fresh:
                             # The stages have gone over the scratch.
                             evaluate_lanes(before, table, at, par, slopes, 0, terrain, work.rolling)
