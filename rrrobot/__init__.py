@@ -23,6 +23,7 @@ from rrrobot.drive.gaits import (
     SinusoidalGait,
     StillLegs,
     gait,
+    gait_from_dict,
 )
 from rrrobot.drive.moves import LegMoves, one_leg_gait, out_of_phase_gait
 from rrrobot.drive.torques import LegTorques, MotionState
@@ -106,7 +107,7 @@ from rrrobot.studies.optimisation.goals import (
     TightestTurn,
 )
 from rrrobot.studies.optimisation.pareto import ParetoFront, pareto_front
-from rrrobot.studies.optimisation.result import OptimisedGait, gait_from_dict
+from rrrobot.studies.optimisation.result import OptimisedGait
 from rrrobot.studies.optimisation.run import optimise
 from rrrobot.studies.optimisation.table import GaitLimits
 from rrrobot.studies.sweeps.run import sweep
