@@ -7,8 +7,9 @@ import pytest
 
 import rrrobot as rr
 from rrrobot import serial
-from rrrobot.drive.gaits import gait_from_dict
 from rrrobot.drive.moves import LegMoves, Loops, Move, Straight
+from rrrobot.drive.schedule import Schedule, stretch
+from rrrobot.drive.tables import gait_from_dict
 
 _LOOPS = Loops(center=np.array((1.0, 2.0)), amplitude=np.array((0.2, 0.3)),
                phase=np.array((0.1, 0.7)), turns=2, duration=3.0, ramp=0.25)  # fmt: skip
@@ -21,6 +22,10 @@ GAITS = {
     "still": rr.StillLegs((1.0, 2.0)),
     "ramp_in": rr.RampIn(rr.gait("circular"), 2.0),
     "leg_moves": LegMoves([_LOOPS, _STRAIGHT]),
+    "sampled": rr.SampledGait(np.linspace(0.0, 2.0, 9),
+                              np.sin(np.pi * np.linspace(0.0, 2.0, 9))[:, None] * (0.2, 0.3)),
+    "schedule": Schedule([stretch(6.0, offset=(1.5, 1.4), amplitude=0.3, phase=(0.0, 1.5))],
+                         angular_frequency=8.0, rest=(1.5, 1.4), blend=2.0),
 }  # fmt: skip
 
 

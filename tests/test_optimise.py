@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
-from rrrobot.drive.gaits import FourierGait, gait_from_dict
-from rrrobot.figures.pareto import pareto
+from rrrobot.drive.gaits import FourierGait, SinusoidalGait
+from rrrobot.drive.tables import gait_from_dict
+from rrrobot.figures.fronts import pareto
 from rrrobot.models.base import Model
 from rrrobot.momentum.batch import Gaits, lower, steady_states
 from rrrobot.momentum.coefficients import coefficients
@@ -417,6 +418,19 @@ def test_models_that_do_not_fit_are_told(model: rr.FullModel) -> None:
         pareto_front(model, offset=1.5, amplitude=0.3, frequency=8.0, phase_difference=1.0)
     with pytest.raises(rr.ParameterError, match="cost is 'work'"):
         pareto_front(model, cost="work")
+
+
+def test_gaits_from_dictionaries() -> None:
+    for gait in (rr.gait("circular"), rr.StillLegs((1.0, 2.0)),
+                 FourierGait(offset=(1, 2), cosine=[[0, 1]], sine=[[1, 0]],
+                             angular_frequency=3.0)):  # fmt: skip
+        again = gait_from_dict(gait.to_dict())
+        assert type(again) is type(gait) and again.to_dict() == gait.to_dict()
+    for data, text in (({"type": "callable"}, "callable"), ([], "None"), ({}, "None"),
+                       ({"type": "sinusoidal", "offset": 1}, "amplitude")):  # fmt: skip
+        with pytest.raises(rr.GaitError, match=text):
+            gait_from_dict(data)  # type: ignore[arg-type]
+    assert isinstance(gait_from_dict(rr.gait("lateral").to_dict()), SinusoidalGait)
 
 
 def test_progress_is_told_within_the_budget(model: rr.FullModel) -> None:

@@ -26,7 +26,8 @@ from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, vector
 from rrrobot.constraints import Constraint, Instant, PrescribedJoints, RollingContact
-from rrrobot.contact.ground import Ground, Plane, ground_from_dict
+from rrrobot.contact.ground import Ground, Plane
+from rrrobot.contact.saved import ground_from_dict
 from rrrobot.drive.damping import (
     Damping,
     DampingLike,
@@ -36,6 +37,7 @@ from rrrobot.drive.damping import (
 )
 from rrrobot.drive.gaits import LegMotion
 from rrrobot.errors import ConstraintError, GaitError, ModelError, ParameterError
+from rrrobot.inline import shows
 from rrrobot.integrate import MAX_STEP
 from rrrobot.kkt import kkt_build, kkt_solve
 from rrrobot.models.terms import Dynamics, Equations, Placement
@@ -209,7 +211,7 @@ class Model(ABC):
         imposed = self.constraints if leg is None else (*self.constraints, self._prescribed)
         if self.constraints:
             pin.forwardKinematics(self.model, self.data, q, v, self._still)
-        at = Instant(self.data, q, v, time, leg)
+        at = Instant(self.data, q, v, time, leg, place.contact)
         rows = [constraint.rows(at) for constraint in imposed]
         acceleration, multipliers = kkt_solve(kkt_build(mass, bias, tau, *rows))
         forces: dict[str, Array] = {}
@@ -218,8 +220,7 @@ class Model(ABC):
             last = first + row.drift.size
             forces[constraint.name] = constraint.force(multipliers[first:last])
             first = last
-        contact = self.rolling
-        if contact is not None and contact.is_whole:
+        if (contact := self.rolling) is not None and contact.is_whole:
             force = forces[contact.name]
         else:
             force = self.support_force(q, v, acceleration)
@@ -316,10 +317,9 @@ class Model(ABC):
         """Raise ModelError where a value is not zero on an axis that this model locks."""
         locked = [i for i in range(3) if i not in self.axes and values[i] != 0]
         if locked:
-            names = ("roll", "pitch", "yaw")
             raise ModelError(
                 f"{name} is {values.tolist()} (roll, pitch, yaw): the {self.name} model locks "
-                f"{', '.join(names[i] for i in locked)}, so that entry must be zero."
+                f"{', '.join(('roll', 'pitch', 'yaw')[i] for i in locked)}: zero is needed there."
             )
 
     def remade(self, robot: Robot) -> Model:
@@ -340,11 +340,11 @@ class Model(ABC):
         ground, damping = ground_from_dict(data["ground"]), damping_from_dict(data["damping"])
         return cls(data["robot"], ground=ground, damping=damping)  # type: ignore[call-arg]
 
+    _repr_html_ = shows("robot", "ground", "damping")
+
     def __repr__(self) -> str:
-        level = isinstance(self.ground, Plane) and self.ground == Plane()
-        ground = "" if level else f", ground={self.ground!r}"
+        ground = "" if self.ground == Plane() else f", ground={self.ground!r}"
         return f"{type(self).__name__}({self.robot!r}{ground}, damping={self.damping!r})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        make = partial(type(self), ground=self.ground, damping=self.damping)
-        return (make, (self.robot,))
+        return partial(type(self), ground=self.ground, damping=self.damping), (self.robot,)

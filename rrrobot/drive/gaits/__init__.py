@@ -5,7 +5,7 @@ A gait is called with a time or an array of times and answers the legs' angles [
 dynamics exact; a gait of your own is checked against finite differences.
 """
 
-from rrrobot.drive.gaits.base import Gait, LegMotion, gait_from_dict
+from rrrobot.drive.gaits.base import Gait, LegMotion
 from rrrobot.drive.gaits.fourier import FourierGait
 from rrrobot.drive.gaits.own import CallableGait
 from rrrobot.drive.gaits.rest import RampIn, StillLegs
@@ -20,5 +20,4 @@ __all__ = [
     "SinusoidalGait",
     "StillLegs",
     "gait",
-    "gait_from_dict",
 ]

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rrrobot import serial
 from rrrobot.checks import Array, vector
-from rrrobot.errors import GaitError, ParameterError
+from rrrobot.errors import GaitError
 
 
 class LegMotion(NamedTuple):
@@ -38,7 +36,7 @@ class Gait(ABC):
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
-        """What the gait is, as plain data; `gait_from_dict` is the inverse."""
+        """What the gait is, as plain data; `rrrobot.gait_from_dict` is the inverse."""
 
 
 def broadcast_legs(n_legs: int | None, **arrays: ArrayLike) -> tuple[int, list[Array]]:
@@ -55,28 +53,3 @@ def leg_count(n_legs: object) -> int:
     if isinstance(n_legs, bool) or not isinstance(n_legs, (int, np.integer)) or n_legs < 0:
         raise GaitError(f"n_legs is {n_legs!r}: it must be a whole number, zero or more.")
     return int(n_legs)
-
-
-def gait_from_dict(data: Mapping[str, Any]) -> Gait:
-    """The gait that `to_dict` wrote, of any kind, also of your own: see `rrrobot.register`.
-
-    A `CallableGait` does not come back, for a file holds no code: register a class instead.
-
-    Raises:
-        GaitError: no such type, or numbers that are missing or out of range.
-
-    Example:
-        >>> import rrrobot as rr
-        >>> rr.gait_from_dict(rr.gait("lateral").to_dict()).period == rr.gait("lateral").period
-        True
-    """
-    try:
-        return serial.from_dict(data, Gait, "gait")  # type: ignore[type-abstract]
-    except GaitError:
-        raise
-    except (ParameterError, KeyError, TypeError, AttributeError, ValueError) as cause:
-        raise GaitError(
-            f"{cause}"
-            if isinstance(cause, ParameterError)
-            else f"the gait cannot be made of {dict(data)!r:.200}: {cause}."
-        ) from cause

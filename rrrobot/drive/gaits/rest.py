@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from rrrobot import serial
 from rrrobot.checks import finite
-from rrrobot.drive.gaits.base import Gait, LegMotion, broadcast_legs, gait_from_dict
+from rrrobot.drive.gaits.base import Gait, LegMotion, broadcast_legs
 from rrrobot.errors import GaitError
 
 
@@ -80,5 +80,6 @@ class RampIn(Gait):
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any]) -> RampIn:
-        """The gait that `to_dict` wrote."""
-        return cls(gait_from_dict(data["gait"]), data["duration"])
+        """The gait of `to_dict`'s entries."""
+        gait: Gait = serial.from_dict(data["gait"], Gait, "gait")  # type: ignore[type-abstract]
+        return cls(gait, data["duration"])

@@ -11,6 +11,7 @@ import pinocchio as pin
 
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import FourierGait, Gait, SinusoidalGait
+from rrrobot.inline import html_table
 from rrrobot.models.base import Model
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.steady import SteadyState
@@ -89,6 +90,17 @@ class OptimisedGait:
             "search": dict(self.search),
             "model": self.trajectory.metadata.get("model"),
         }
+
+    def _repr_html_(self) -> str:
+        rows = {
+            f"{self.goal.name}: {self.goal.quantity}": f"{self.value:.6g} {self.goal.unit}",
+            "gait": self.gait,
+            "speed": f"{1000 * self.steady_state.speed:.4f} mm/s",
+            "curvature": f"{self.steady_state.curvature:.4g} 1/m",
+            "limits and goal": "met" if self.met else f"NOT MET: {'; '.join(self.shortfalls)}",
+        }
+        path = self.trajectory.plot("path").figure
+        return html_table("Optimised gait", rows, figure=path)
 
     def __repr__(self) -> str:
         state = "" if self.met else f", NOT MET: {'; '.join(self.shortfalls)}"

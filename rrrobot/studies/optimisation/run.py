@@ -44,7 +44,7 @@ def optimise(
     """The best gait for a goal, within bounds and limits.
 
     Args:
-        model: `FullModel` or `PivotingModel` of a robot with a spherical shell on level ground.
+        model: `FullModel` of any shell and ground that the engine knows, or `PivotingModel`.
         goal: "fastest", "tightest", "efficient", or a `FastestTravel`, `TightestTurn`,
             `LeastEffort` or `TargetMotion`.
         offset, amplitude: a number, which is kept; bounds (low, high) for all legs; or bounds
@@ -74,7 +74,8 @@ def optimise(
     Example:
         >>> import rrrobot as rr
         >>> model = rr.FullModel(rr.Robot.from_parameters())
-        >>> best = rr.optimise(model, rr.TargetMotion(speed=0.005, curvature=2.0), budget=2000)
+        >>> goal = rr.studies.TargetMotion(speed=0.005, curvature=2.0)
+        >>> best = rr.optimise(model, goal, budget=2000)
         >>> round(best.steady_state.speed, 5), round(best.steady_state.curvature, 3)
         (0.005, 2.0)
     """

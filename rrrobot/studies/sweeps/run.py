@@ -27,8 +27,8 @@ from rrrobot.drive.gaits import SinusoidalGait
 from rrrobot.errors import GroundClearanceWarning, ParameterError
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.simulation.run import versions
+from rrrobot.studies.sweeps.grid import Grid, Plan, run_settings, whole
 from rrrobot.studies.sweeps.job import Job
-from rrrobot.studies.sweeps.plan import Grid, Plan, run_settings, whole
 from rrrobot.studies.sweeps.progress import progress_of
 from rrrobot.studies.sweeps.store import Layout, ResultsFile
 from rrrobot.studies.sweeps.variants import DecoupledModels, Swept, Variants, engine_of
@@ -86,7 +86,7 @@ def sweep(
         angular_frequency: of all legs [rad/s]; 8 unless given.
         yaw_amplitude: of the legs in the yaw model alone of `DecoupledModels`, the paper's Fig 20
             [rad]: a number, or a DataArray over some of the gaits' dimensions, such as
-            `figures.maps.amplitude_modulation` gives; where it is NaN, as the other models'.
+            `rr.studies.amplitude_modulation` gives; where it is NaN, as the other models'.
         points: gaits instead of a grid: `SinusoidalGait`s, or a mapping from the names above to
             arrays (n,) or, one column a leg, (n, legs). What it does not name may still be a grid.
         parameters: grids of `RRRobotParameters` by name, for the model of a robot that

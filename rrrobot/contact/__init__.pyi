@@ -1,0 +1,16 @@
+from rrrobot.contact.boulder import Boulder as Boulder
+from rrrobot.contact.convexity import check_convex as check_convex
+from rrrobot.contact.convexity import radii_range as radii_range
+from rrrobot.contact.graph import Graph as Graph
+from rrrobot.contact.ground import Ground as Ground
+from rrrobot.contact.ground import Plane as Plane
+from rrrobot.contact.kinematics import contact_path as contact_path
+from rrrobot.contact.kinematics import contact_velocity as contact_velocity
+from rrrobot.contact.kinematics import sphere_contact_rate as sphere_contact_rate
+from rrrobot.contact.saved import ground_from_dict as ground_from_dict
+from rrrobot.contact.saved import surface_from_dict as surface_from_dict
+from rrrobot.contact.shells import EllipsoidSum as EllipsoidSum
+from rrrobot.contact.shells import FlatBelly as FlatBelly
+from rrrobot.contact.surfaces import Ellipsoid as Ellipsoid
+from rrrobot.contact.surfaces import Sphere as Sphere
+from rrrobot.contact.surfaces import Surface as Surface
