@@ -34,6 +34,7 @@ from rrrobot.errors import (
     ConstraintError,
     GaitError,
     GroundClearanceWarning,
+    LimitWarning,
     MissingExtraError,
     ModelError,
     OutputError,
@@ -44,6 +45,7 @@ from rrrobot.errors import (
     SimulationInterrupted,
     SweepInterrupted,
     UrdfError,
+    UrdfWarning,
 )
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
@@ -132,6 +134,7 @@ __all__ = [
     "LegMotion",
     "LegMoves",
     "LegTorques",
+    "LimitWarning",
     "MissingExtraError",
     "Mode",
     "ModelError",
@@ -166,6 +169,7 @@ __all__ = [
     "TightestTurn",
     "Trajectory",
     "UrdfError",
+    "UrdfWarning",
     "Viewer",
     "YawModel",
     "YawPlan",

@@ -104,3 +104,11 @@ class SweepInterrupted(RRRobotError, RuntimeError, KeyboardInterrupt):
 
 class GroundClearanceWarning(UserWarning):
     """A leg can touch the ground, which no model here takes into account."""
+
+
+class UrdfWarning(UserWarning):
+    """A robot's file says what no body can have, or what no model here takes into account."""
+
+
+class LimitWarning(UserWarning):
+    """A motion passes a limit that the robot's file sets to a joint."""

@@ -31,7 +31,7 @@ from rrrobot.drive.damping import Damping, DampingLike, as_damping
 from rrrobot.drive.gaits import LegMotion
 from rrrobot.errors import ConstraintError, GaitError, ModelError
 from rrrobot.integrate import MAX_STEP
-from rrrobot.robot.joints import JointIndex
+from rrrobot.robot.joints import JointIndex, energy, has_mimics, joint_inertia
 from rrrobot.robot.robot import Robot
 
 VERTICAL_PITCH = np.deg2rad(89.5)
@@ -200,7 +200,7 @@ class Model(ABC):
         place = self._place(pose)
         q = self.configuration(place, angle)  # type: ignore[arg-type]
         v = self.velocity(place, quasi, rate)  # type: ignore[arg-type]
-        mass = pin.crba(self.model, self.data, q)
+        mass = joint_inertia(self.model, self.data, q)
         bias = pin.nonLinearEffects(self.model, self.data, q, v)
         tau = np.zeros(self.model.nv)
         tau[: len(place.basis)] = self.damping_force(place, quasi)
@@ -209,6 +209,8 @@ class Model(ABC):
         rows: list[ConstraintRows] = []
         if self.rolling is not None:
             rows.append(self.rolling.evaluate(self.data, q, v))
+        if self.robot.joints.lossy:
+            tau[self.legs.v] -= self.robot.joints.loss(v[self.legs.v])
         if leg is not None:
             rows.append(self._prescribed.evaluate(v, leg.rate, leg.acceleration))
         else:
@@ -232,8 +234,13 @@ class Model(ABC):
             >>> terms.gravity[2].round(4)  # the weight [N]
             np.float64(5.1012)
         """
+        if has_mimics(self.model):
+            raise ModelError(
+                "Pinocchio has no Coriolis matrix of a robot whose joints mimic others: hold those "
+                "joints with locked=, or use mass_matrix and dynamics."
+            )
         return Equations(
-            np.array(pin.crba(self.model, self.data, q)),
+            np.array(joint_inertia(self.model, self.data, q)),
             np.array(pin.computeCoriolisMatrix(self.model, self.data, q, v)),
             np.array(pin.computeGeneralizedGravity(self.model, self.data, q)),
         )
@@ -246,12 +253,11 @@ class Model(ABC):
 
     def mass_matrix(self, pose: ArrayLike | Placement, leg_angle: ArrayLike) -> Array:
         """M(q) (nv, nv) in the model's Pinocchio coordinates."""
-        return np.array(pin.crba(self.model, self.data, self.configuration(pose, leg_angle)))
+        return np.array(joint_inertia(self.model, self.data, self.configuration(pose, leg_angle)))
 
     def energy(self, q: Array, v: Array) -> tuple[float, float]:
         """Kinetic and potential energy [J]; the potential is zero at the world's origin."""
-        kinetic = pin.computeKineticEnergy(self.model, self.data, q, v)
-        return kinetic, pin.computePotentialEnergy(self.model, self.data, q)
+        return energy(self.model, self.data, q, v)
 
     def momentum(
         self, pose: ArrayLike | Placement, quasi: Array, leg_angle: Array, leg_rate: Array

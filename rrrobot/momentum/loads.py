@@ -118,12 +118,13 @@ def loads(tree, up, w, c, leg, parameters, axis, b, out):  # type: ignore[no-unt
     for a in range(3):
         out[1 + a] = force[a] - out[0] * up[a]
     n_legs = leg.shape[1]
+    for k in range(n_legs):
+        out[TORQUE + k], out[TORQUE + n_legs + k] = 0.0, leg[1, k]
     for i in range(tree.mass.size):
         held = i > 0 and tree.mass[i] > 0.0
         out[TORQUE + 2 * n_legs + i] = parameters[2] + b.height[i] if held else _MASSLESS
         if i > 0:
-            k = tree.leg[i]
-            out[TORQUE + k], out[TORQUE + n_legs + k] = _motor(tree, i, b), leg[1, k]
+            out[TORQUE + tree.leg[i]] += tree.ratio[i] * _motor(tree, i, b)
 
 
 @inner

@@ -31,8 +31,8 @@ class Setting(NamedTuple):
     """-1 for all axes, 0-2 for the one that is free, DECOUPLED for three models side by side"""
     limit: float
     """of the sine of the pitch, where a lane stops; above 1 for models without a singularity"""
-    leg_damping: float
-    """of the leg joints [N m s/rad], which the motors overcome"""
+    leg_loss: Array
+    """damping [N m s/rad] and friction [N m] of the leg joints (2, legs), motors overcome both"""
 
 
 def setting_of(model: Model) -> Setting:
@@ -55,7 +55,8 @@ def setting_of(model: Model) -> Setting:
     numbers = (robot.mass, radius * rolls, radius * travels, gravity, *_damping(model.damping))
     axis = model.axes[0] if len(model.axes) == 1 else -1
     limit = VERTICAL if model.singular_at_vertical else _ANY_PITCH
-    legs = model.damping.leg_coefficient
+    joints = robot.joints
+    legs = np.array((joints.damping + model.damping.leg_coefficient, joints.friction))
     return Setting(tree_of(robot), np.array(numbers), axis, limit, legs)
 
 
@@ -71,7 +72,7 @@ def decoupled_setting(
     first = setting_of(models[0])
     parameters = first.parameters.copy()
     parameters[4:7] = losses
-    return Setting(first.tree, parameters, DECOUPLED, _ANY_PITCH, 0.0)
+    return Setting(first.tree, parameters, DECOUPLED, _ANY_PITCH, np.zeros((2, robot.n_legs)))
 
 
 def _damping(damping: Damping) -> tuple[float, float, float, float]:
