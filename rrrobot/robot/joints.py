@@ -11,7 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from rrrobot.checks import Array
-from rrrobot.errors import UrdfError
+from rrrobot.errors import ModelError, UrdfError
 from rrrobot.robot.faults import listed, root_link, shown
 from rrrobot.robot.mimics import couple, couplings, restore_names
 from rrrobot.robot.reader import parse_urdf
@@ -154,11 +154,25 @@ def joint_inertia(model: pin.Model, data: pin.Data, q: Array) -> Array:
     return np.asarray(pin.crba(model, data, q))
 
 
+def coriolis_matrix(model: pin.Model, data: pin.Data, q: Array, v: Array) -> Array:
+    """C(q, v) (nv, nv) with dM/dt = C + C^T.
+
+    Raises:
+        ModelError: joints mimic others, which Pinocchio's matrix knows nothing of.
+    """
+    if has_mimics(model):
+        raise ModelError(
+            "Pinocchio has no Coriolis matrix of a robot whose joints mimic others: hold those "
+            "joints with locked=, or use mass_matrix and dynamics."
+        )
+    return np.array(pin.computeCoriolisMatrix(model, data, q, v))
+
+
 def joint_inertia_rate(model: pin.Model, data: pin.Data, q: Array, v: Array) -> Array:
     """dM/dt (nv, nv) at q along v; Coriolis' matrix and its transpose add up to it."""
     if not has_mimics(model):
-        coriolis = pin.computeCoriolisMatrix(model, data, q, v)
-        return np.asarray(coriolis + coriolis.T)
+        coriolis = coriolis_matrix(model, data, q, v)
+        return coriolis + coriolis.T
     # Pinocchio's Coriolis matrix knows no mimic joints; the error of this is of fourth order.
     h = 2e-3 / max(1.0, float(np.abs(v).max()))
     at = [
