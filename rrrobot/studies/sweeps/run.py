@@ -27,8 +27,8 @@ from rrrobot.drive.gaits import SinusoidalGait
 from rrrobot.errors import GroundClearanceWarning, ParameterError
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.simulation.run import versions
+from rrrobot.studies.sweeps.grid import Grid, Plan, run_settings, whole
 from rrrobot.studies.sweeps.job import Job
-from rrrobot.studies.sweeps.plan import Grid, Plan, run_settings, whole
 from rrrobot.studies.sweeps.progress import progress_of
 from rrrobot.studies.sweeps.store import Layout, ResultsFile
 from rrrobot.studies.sweeps.variants import DecoupledModels, Swept, Variants, engine_of
