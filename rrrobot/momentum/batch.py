@@ -6,12 +6,11 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.momentum.coefficients import LANES
-from rrrobot.momentum.compiled import borrowed, in_cache
+from rrrobot.momentum.compiled import borrowed, compiled, in_cache
 from rrrobot.momentum.extremes import LOADS as ALL_LOADS
 from rrrobot.momentum.extremes import evaluate, extremes
 from rrrobot.momentum.kernels import BLOCK, DECOUPLED, N_STAGES, N_STATE, NODES, OK, step
@@ -84,7 +83,7 @@ def _padded(array: Array) -> Array:
     return np.concatenate((array, np.repeat(array[..., -1:], missing, axis=-1)), axis=-1)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _march_block(y, table, par, steps, rows, axis, work, history):  # type: ignore[no-untyped-def]
     y, table, par, work, history = (
         borrowed(y), borrowed(table), borrowed(par), borrowed(work), borrowed(history),
@@ -116,7 +115,7 @@ def fourier(gaits: Gaits) -> FourierGaits:
     return FourierGaits(gaits.offset, sine[:, None], cosine[:, None], gaits.angular_frequency)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _parts(amplitude, phase, sine, cosine):  # type: ignore[no-untyped-def]
     # One at a time: NumPy's vector loops may round an entry by where it stands.
     for k in range(len(phase)):

@@ -18,11 +18,10 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numba import njit
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.momentum.compiled import borrowed, inner, lanes
+from rrrobot.momentum.compiled import borrowed, compiled, inner, lanes
 from rrrobot.momentum.trigonometry import sine_cosine
 from rrrobot.robot.mimics import Coupling
 from rrrobot.robot.robot import Robot
@@ -156,7 +155,7 @@ def fill(tree: Tree, angle: Array, rate: Array, out: Array) -> None:
     _fill(tree, angle, rate, lane_work(tree), np.empty((1, N_COEFFICIENTS * LANES)), out)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _fill(tree, angle, rate, work, row, out):  # type: ignore[no-untyped-def]
     tree, work, row = borrowed(tree), borrowed(work), borrowed(row)
     n, legs = angle.shape
@@ -242,7 +241,7 @@ def _move(tree, i, angle, rate, work):  # type: ignore[no-untyped-def]
         own[17 * LANES + k] += parent[17 * LANES + k] + (w0 * dy - w1 * dx)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
+@compiled(fastmath={"contract", "nsz"})
 def _add_body(tree, i, work, out):  # type: ignore[no-untyped-def]
     """Add body i's mass, inertia and momentum in every lane."""
     own = work[i]

@@ -12,11 +12,10 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from rrrobot.checks import Array
 from rrrobot.momentum.coefficients import LANES, N_COEFFICIENTS, LaneWork, fill_lanes, lane_work
-from rrrobot.momentum.compiled import borrowed, inner
+from rrrobot.momentum.compiled import borrowed, compiled, inner
 from rrrobot.momentum.forces import Bodies, bodies
 from rrrobot.momentum.loads import FRICTION, TORQUE, loads, n_signals
 from rrrobot.momentum.lowering import Setting
@@ -108,7 +107,7 @@ def _interpolation(n: int, points: int) -> Array:
     return np.ascontiguousarray(points / n * np.fft.irfft(spectrum, points, axis=0))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def evaluate(  # type: ignore[no-untyped-def]
     tree, parameters, axis, leg_loss, gaits, motion, turns, refine, finer, work, out
 ):

@@ -8,9 +8,8 @@ The angular acceleration follows from the moment about the pivot, which is linea
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from rrrobot.momentum.compiled import inner
+from rrrobot.momentum.compiled import compiled, inner
 from rrrobot.momentum.forces import sweep
 
 FRICTION, TORQUE = 1, 4
@@ -87,7 +86,7 @@ def accelerate(c, axis, s, w, right, mass, out):  # type: ignore[no-untyped-def]
         out[a] = right[a] / w[a] if a == axis else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def loads(tree, up, w, c, leg, parameters, axis, b, out):  # type: ignore[no-untyped-def]
     """Signals of one state.
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
@@ -21,7 +20,7 @@ from rrrobot.momentum.coefficients import (
     fill_lanes,
     lane_work,
 )
-from rrrobot.momentum.compiled import borrowed, inner, lanes
+from rrrobot.momentum.compiled import borrowed, compiled, inner, lanes
 from rrrobot.momentum.kernels import (
     BLOCK,
     DECOUPLED,
@@ -118,7 +117,7 @@ def work_of(setting: Setting, harmonics: int, counted: int, n_steps: int) -> Wor
     )  # fmt: skip
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def settle(  # type: ignore[no-untyped-def]
     tree, axis, limit, gaits, yaw_gaits, cycles, turns, slope_of, work, motion, sine, out
 ):

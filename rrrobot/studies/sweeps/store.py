@@ -11,6 +11,8 @@ from __future__ import annotations
 import json
 import math
 import os
+import warnings
+import zlib
 from collections.abc import Iterator, Mapping
 from io import FileIO
 from pathlib import Path
@@ -69,9 +71,11 @@ those of a prismatic leg are forces [N]. Friction is NaN for pivoted models, whi
 that could slip; for roll and pitch models it is that of all that holds the body, their guides
 included. All are NaN for decoupled models, whose motion no forces of the whole robot make."""
 
+_CHECKSUM = "checksum"
+"""Variable of the file alone: CRC-32 of each gait's numbers, its status among them."""
 _SIZES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 4, 6: 8}
 """Bytes of the types of classic netCDF."""
-_BITS = ("rrrobot", "numpy", "numba", "pinocchio", "cpu")
+_BITS = ("rrrobot", "numpy", "numba", "pinocchio", "cpu", "engine")
 """Of the versions, those that the last bits of a result depend on."""
 _SHOWN = 60
 
@@ -153,6 +157,7 @@ class ResultsFile:
             self._refuse_others()
         else:
             blank = layout.dataset(layout.empty(virtual=True))
+            blank[_CHECKSUM] = tuple(layout.sizes), np.zeros(tuple(layout.sizes.values()), np.int32)
             content: Any = blank.to_netcdf(engine="scipy", format="NETCDF3_64BIT")
             write_whole(self.path, content)
         check_writable(self.path)
@@ -169,11 +174,36 @@ class ResultsFile:
         self._stream.close()
 
     def read_into(self, columns: Mapping[str, NDArray[Any]]) -> None:
-        """Fill columns with what the file holds."""
+        """Fill columns with what the file holds; a gait whose checksum is wrong is not computed.
+
+        Warns:
+            UserWarning: how many gaits are damaged.
+
+        Raises:
+            OutputError: the file ends too early.
+        """
         for name, column in columns.items():
-            kind = _on_disk(column)
-            self._stream.seek(self._begin[name])
-            column[:] = np.fromfile(self._stream, kind, column.size)
+            column[:] = self._get(name, column)
+        status = columns["status"]
+        done = np.flatnonzero(status != NOT_COMPUTED)
+        kept = self._get(_CHECKSUM, np.empty(status.size, np.int32))
+        wrong = kept[done] != _checksums({name: column[done] for name, column in columns.items()})
+        bad = done[wrong | ~np.isin(status[done], list(STATUS))]
+        if bad.size:
+            for name, column in columns.items():
+                column[bad] = NOT_COMPUTED if name == "status" else np.nan
+            warnings.warn(
+                f"{bad.size} of {done.size} gaits in {str(self.path)!r} are damaged: their "
+                "checksums do not fit. They are computed again.",
+                stacklevel=2,
+            )
+
+    def _get(self, name: str, column: NDArray[Any]) -> NDArray[Any]:
+        self._stream.seek(self._begin[name])
+        found = np.fromfile(self._stream, _on_disk(column), column.size)
+        if found.size != column.size:
+            raise OutputError(f"{str(self.path)!r} ends within {name}: it is not whole; delete it.")
+        return found
 
     def write(self, first: int, columns: Mapping[str, NDArray[Any]]) -> None:
         """Put a chunk's columns (n,) into the places first, first + 1, ...; status last.
@@ -185,6 +215,7 @@ class ResultsFile:
             for name, column in columns.items():
                 if name != "status":
                     self._put(name, first, column)
+            self._put(_CHECKSUM, first, _checksums(columns))
             os.fsync(self._stream.fileno())
             self._put("status", first, columns["status"])
             os.fsync(self._stream.fileno())
@@ -209,6 +240,8 @@ class ResultsFile:
         try:
             with xr.open_dataset(self.path, engine="scipy") as found:
                 differ = list(_differences(found, self.layout))
+                if _CHECKSUM not in found:
+                    differ.append("its variables: it has no checksums")
         except (OSError, ValueError, TypeError, KeyError, IndexError) as error:
             raise OutputError(
                 f"{shown} is not the netCDF file of a sweep ({type(error).__name__}). Name another "
@@ -220,6 +253,21 @@ class ResultsFile:
                 f"{shown} holds another sweep. It differs in {'; '.join(differ[:5])}{more}. Name "
                 "another file, or begin anew with resume=False (--no-resume)."
             )
+
+
+def _checksums(columns: Mapping[str, NDArray[Any]]) -> NDArray[np.int32]:
+    """CRC-32 of each gait's numbers, as they stand in the file (n,)."""
+    rows = np.concatenate(
+        [
+            np.ascontiguousarray(column, _on_disk(column))
+            .view(np.uint8)
+            .reshape(len(column), column.itemsize)
+            for _, column in sorted(columns.items())
+        ],
+        axis=1,
+    )
+    found = (zlib.crc32(row) for row in rows)
+    return np.fromiter(found, np.uint32, len(rows)).view(np.int32)
 
 
 def _on_disk(column: NDArray[Any]) -> np.dtype[Any]:
@@ -288,6 +336,8 @@ def _differences(found: xr.Dataset, layout: Layout) -> Iterator[str]:
 def _unequal(name: str, there: Any, here: Any) -> Iterator[str]:
     if isinstance(there, dict) and isinstance(here, dict):
         for key in _BITS if name == "versions" else sorted(there.keys() | here.keys()):
+            if name == "robot" and key == "package_dirs":
+                continue  # where the meshes lie is no part of what a robot is
             yield from _unequal(f"{name}.{key}", there.get(key), here.get(key))
     elif there != here:
         yield f"{name} ({_shown(there)} there, {_shown(here)} here)"
