@@ -12,7 +12,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite, vector
-from rrrobot.contact.surfaces import SHELL_FRAME, Sphere, Surface, surface_from_dict
+from rrrobot.contact.convexity import check_convex
+from rrrobot.contact.saved import surface_from_dict
+from rrrobot.contact.surfaces import SHELL_FRAME, Sphere, Surface
 from rrrobot.errors import ShellError, UrdfError
 from rrrobot.inline import html_table
 from rrrobot.robot.examples import example_urdf
@@ -25,7 +27,10 @@ from rrrobot.robot.reader import is_text, parse_urdf, read_urdf, urdf_text
 from rrrobot.robot.suspicion import warn_of_inertias, warn_of_parts, warn_of_shell
 from rrrobot.robot.tree import turn_over
 from rrrobot.robot.urdf import LEGS, rrrobot_urdf
+from rrrobot.rotations import rotation_from_euler
 
+_OWN_SHELLS = ("rrrobot.contact.surfaces", "rrrobot.contact.shells")
+"""Shells that are convex by construction; any other is checked."""
 STANDARD_GRAVITY = 9.81
 """g where neither a ground nor a robot's parameters say otherwise [m/s^2]."""
 
@@ -44,7 +49,8 @@ class Robot:
         legs: joint names of the legs; every leg array in this package has this order.
         shell_link: link that carries the shell. If it moves against the URDF's root link, the
             tree is turned over, so that it is the base; joints count as in the file.
-        shell_center: shell's centre in the frame of `shell_link` (3,) [m].
+        shell_center: origin of the shell's frame in that of `shell_link` (3,) [m].
+        shell_rpy: roll, pitch, yaw of the shell's frame in that of `shell_link` (3,) [rad].
         locked: positions of the joints that are not legs, held still [rad or m].
         parameters: what `from_parameters` made it from; None for any other robot. Models take its
             gravity and damping unless told otherwise.
@@ -67,6 +73,7 @@ class Robot:
     legs: tuple[str, ...]
     shell_link: str
     shell_center: Array
+    shell_rpy: Array = field(default_factory=lambda: np.zeros(3))
     locked: Mapping[str, float] = field(default_factory=dict)
     parameters: RRRobotParameters | None = None
     package_dirs: tuple[str, ...] = ()
@@ -82,9 +89,12 @@ class Robot:
             raise ShellError(
                 f"shell is {self.shell!r}: it must be a surface, such as Sphere(radius=0.12)."
             )
+        if type(self.shell).__module__ not in _OWN_SHELLS:
+            check_convex(self.shell)
         set_field = object.__setattr__
-        set_field(self, "shell_center", vector("shell_center", self.shell_center, 3, "m"))
-        self.shell_center.flags.writeable = False
+        for name, unit in (("shell_center", "m"), ("shell_rpy", "rad")):
+            set_field(self, name, vector(name, getattr(self, name), 3, unit))
+            getattr(self, name).flags.writeable = False
         tree = parse_urdf(self.urdf)
         turn_over(tree, self.shell_link, self.locked)
         set_field(self, "rooted_urdf", urdf_text(tree))
@@ -125,6 +135,7 @@ class Robot:
         locked: Mapping[str, float] | None = None,
         shell_link: str | None = None,
         shell_center: ArrayLike = (0.0, 0.0, 0.0),
+        shell_rpy: ArrayLike = (0.0, 0.0, 0.0),
         package_dirs: Sequence[str | Path] = (),
     ) -> Robot:
         """Any URDF robot that rolls on a round belly.
@@ -138,7 +149,8 @@ class Robot:
             locked: joint name -> position of held joints [rad or m]; 0 where it is not named. A
                 mimic joint that is named does not follow.
             shell_link: link that carries the shell, any of the tree; the root link unless given.
-            shell_center: centre of the shell in that link's frame (3,) [m].
+            shell_center: origin of the shell's frame, its centre, in that link's (3,) [m].
+            shell_rpy: roll, pitch, yaw of the shell's frame in that link's, as a URDF's (3,) [rad].
             package_dirs: folders for mesh names, beside the file's own and those in
                 ROS_PACKAGE_PATH.
 
@@ -182,6 +194,7 @@ class Robot:
             legs=chosen,
             shell_link=shell_link or root,
             shell_center=vector("shell_center", shell_center, 3, "m"),
+            shell_rpy=vector("shell_rpy", shell_rpy, 3, "rad"),
             locked=held,
             package_dirs=(*_own_folder(source), *(str(folder) for folder in package_dirs)),
         )
@@ -230,6 +243,7 @@ class Robot:
             "legs": list(self.legs),
             "shell_link": self.shell_link,
             "shell_center": self.shell_center.tolist(),
+            "shell_rpy": self.shell_rpy.tolist(),
             "locked": dict(self.locked),
             "parameters": None if self.parameters is None else self.parameters.to_dict(),
             "package_dirs": list(self.package_dirs),
@@ -300,6 +314,6 @@ def _add_shell_frame(model: pin.Model, robot: Robot) -> pin.SE3:
             f"{', '.join(bodies)}."
         )
     link = model.frames[model.getFrameId(robot.shell_link, pin.FrameType.BODY)]
-    placement = link.placement * pin.SE3(np.eye(3), robot.shell_center)
+    placement = link.placement * pin.SE3(rotation_from_euler(robot.shell_rpy), robot.shell_center)
     model.addFrame(pin.Frame(SHELL_FRAME, 1, placement, pin.FrameType.OP_FRAME))
     return placement
