@@ -37,11 +37,11 @@ def stored(tmp_path_factory):
 
 @pytest.mark.parametrize("name", ["speed", "yaw_rate", "clearance", "status", "checksum"])
 def test_a_flipped_bit_in_a_store_is_told_and_computed_again(stored, tmp_path, name):
-    from rrrobot.studies.sweeps.store import _begins
+    from rrrobot.studies.sweeps.netcdf import begins
 
     path = shutil.copy(stored[0], tmp_path / "s.nc")
     with path.open("r+b", buffering=0) as stream:
-        at = _begins(stream)[name]
+        at = begins(stream)[name]
         stream.seek(at)
         byte = stream.read(1)[0]
         stream.seek(at)

@@ -438,7 +438,7 @@ def test_impossible_inertias(diagonal, says):
     if "period" in says:
         told = float(str(caught[0].message).split("period of ")[1].split(" s")[0])
         assert told == pytest.approx(
-            rr.modes(rr.FullModel(robot, damping=None), ())[0].period, rel=0.1
+            rr.orbits.modes(rr.FullModel(robot, damping=None), ())[0].period, rel=0.1
         )
 
 

@@ -44,8 +44,8 @@ def test_prescribed_dynamics_are_those_of_the_joints_driven_by_hand(cls):
     follows, free = models(cls)
     pose, quasi = random_state(follows)
     angle, rate, acceleration = RNG.normal(size=(3, 2))
-    leg = rr.LegMotion(angle, rate, acceleration)
-    by_hand = rr.LegMotion(
+    leg = rr.drive.LegMotion(angle, rate, acceleration)
+    by_hand = rr.drive.LegMotion(
         spread(angle, offset=True), spread(rate, offset=False), spread(acceleration, offset=False)
     )
     one, other = follows.dynamics(pose, quasi, leg), free.dynamics(pose, quasi, by_hand)
@@ -85,7 +85,7 @@ def test_torque_driven_legs_obey_lagrange_with_the_ratios():
     matrix[:6, :6] = np.eye(6)
     matrix[free.legs.v[:, None], follows.legs.v] = MATRIX
     data = free.model.createData()
-    rows = rr.RollingContact.of(free.robot).evaluate(data, q, v)
+    rows = rr.constraints.RollingContact.of(free.robot).evaluate(data, q, v)
     mass = matrix.T @ pin.crba(free.model, data, q) @ matrix
     force = -matrix.T @ pin.nonLinearEffects(free.model, data, q, v)
     force[3:6] += DAMPING.moment(0, 0, quasi)

@@ -9,8 +9,7 @@ its independent velocities, so that
     v = N(pose) quasi + leg rates,
 
 and the constraints J v = 0 hold by construction at every state. A subclass declares Pinocchio's
-model and the constraints, and says how pose and quasi-velocities map to Pinocchio's q and v; the
-equations of motion are the same for all.
+model and the constraints, and says how pose and quasi-velocities map to Pinocchio's q and v.
 """
 
 from __future__ import annotations

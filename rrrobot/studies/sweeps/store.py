@@ -12,9 +12,7 @@ import json
 import math
 import os
 import warnings
-import zlib
 from collections.abc import Iterator, Mapping
-from io import FileIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -24,6 +22,7 @@ from numpy.typing import NDArray
 from rrrobot.checks import Array
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable, write_whole
+from rrrobot.studies.sweeps.netcdf import begins, checksums, on_disk
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -75,8 +74,6 @@ included. All are NaN for decoupled models, whose motion no forces of the whole 
 
 _CHECKSUM = "checksum"
 """Variable of the file alone: CRC-32 of each gait's numbers, its status among them."""
-_SIZES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 4, 6: 8}
-"""Bytes of the types of classic netCDF."""
 _BITS = ("rrrobot", "numpy", "numba", "pinocchio", "cpu", "engine")
 """Of the versions, those that the last bits of a result depend on."""
 _SHOWN = 60
@@ -165,7 +162,7 @@ class ResultsFile:
         check_writable(self.path)
         try:
             self._stream = self.path.open("r+b", buffering=0)
-            self._begin = _begins(self._stream)
+            self._begin = begins(self._stream)
         except OSError as error:
             raise self._failure(error) from error
 
@@ -189,7 +186,7 @@ class ResultsFile:
         status = columns["status"]
         done = np.flatnonzero(status != NOT_COMPUTED)
         kept = self._get(_CHECKSUM, np.empty(status.size, np.int32))
-        wrong = kept[done] != _checksums({name: column[done] for name, column in columns.items()})
+        wrong = kept[done] != checksums({name: column[done] for name, column in columns.items()})
         bad = done[wrong | ~np.isin(status[done], list(STATUS))]
         if bad.size:
             for name, column in columns.items():
@@ -202,7 +199,7 @@ class ResultsFile:
 
     def _get(self, name: str, column: NDArray[Any]) -> NDArray[Any]:
         self._stream.seek(self._begin[name])
-        found = np.fromfile(self._stream, _on_disk(column), column.size)
+        found = np.fromfile(self._stream, on_disk(column), column.size)
         if found.size != column.size:
             raise OutputError(f"{str(self.path)!r} ends within {name}: it is not whole; delete it.")
         return found
@@ -217,7 +214,7 @@ class ResultsFile:
             for name, column in columns.items():
                 if name != "status":
                     self._put(name, first, column)
-            self._put(_CHECKSUM, first, _checksums(columns))
+            self._put(_CHECKSUM, first, checksums(columns))
             os.fsync(self._stream.fileno())
             self._put("status", first, columns["status"])
             os.fsync(self._stream.fileno())
@@ -225,7 +222,7 @@ class ResultsFile:
             raise self._failure(error) from error
 
     def _put(self, name: str, first: int, column: NDArray[Any]) -> None:
-        kind = _on_disk(column)
+        kind = on_disk(column)
         self._stream.seek(self._begin[name] + first * kind.itemsize)
         rest = memoryview(column.astype(kind).tobytes())
         while rest:
@@ -255,62 +252,6 @@ class ResultsFile:
                 f"{shown} holds another sweep. It differs in {'; '.join(differ[:5])}{more}. Name "
                 "another file, or begin anew with resume=False (--no-resume)."
             )
-
-
-def _checksums(columns: Mapping[str, NDArray[Any]]) -> NDArray[np.int32]:
-    """CRC-32 of each gait's numbers, as they stand in the file (n,)."""
-    rows = np.concatenate(
-        [
-            np.ascontiguousarray(column, _on_disk(column))
-            .view(np.uint8)
-            .reshape(len(column), column.itemsize)
-            for _, column in sorted(columns.items())
-        ],
-        axis=1,
-    )
-    found = (zlib.crc32(row) for row in rows)
-    return np.fromiter(found, np.uint32, len(rows)).view(np.int32)
-
-
-def _on_disk(column: NDArray[Any]) -> np.dtype[Any]:
-    return column.dtype.newbyteorder(">")
-
-
-def _begins(stream: FileIO) -> dict[str, int]:
-    """Where the values of each variable begin in a classic netCDF file [bytes]."""
-
-    def number(size: int = 4) -> int:
-        return int.from_bytes(stream.read(size), "big")
-
-    def skip(size: int) -> None:
-        stream.seek(size + -size % 4, os.SEEK_CUR)
-
-    def name() -> str:
-        size = number()
-        text = stream.read(size).decode()
-        stream.seek(-size % 4, os.SEEK_CUR)
-        return text
-
-    def skip_attributes() -> None:
-        number()
-        for _ in range(number()):
-            name()
-            skip(_SIZES[number()] * number())
-
-    stream.seek(8)
-    number()
-    for _ in range(number()):
-        name(), number()
-    skip_attributes()
-    number()
-    found = {}
-    for _ in range(number()):
-        variable = name()
-        skip(4 * number())
-        skip_attributes()
-        skip(8)
-        found[variable] = number(8)
-    return found
 
 
 def _differences(found: xr.Dataset, layout: Layout) -> Iterator[str]:
