@@ -194,8 +194,8 @@ class GroundOptions(Group):
         default="level",
         show_default=True,
         metavar="|".join(kind.form for kind in GROUNDS.values()),
-        help="A slope rises along x; a plane has this normal; a boulder or a bowl is a sphere of this "
-        "radius [m], and the robot starts on its top or its bottom. Gravity stays along -z.",
+        help="A slope rises along x; a plane has this normal; a boulder or a bowl is a sphere of "
+        "this radius [m], and the robot starts on its top or its bottom. Gravity stays along -z.",
     )
 
     def build(self, robot: RobotOptions) -> Ground:
