@@ -235,7 +235,6 @@ def test_grounds(text: str, normal: tuple[float, ...]) -> None:
     assert data["model"]["ground"]["normal"] == pytest.approx(normal, abs=1e-15)
 
 
-@pytest.mark.parametrize("text", ["moon", "slope", "slope:90", "slope:x", "plane:1,2", "level:1"])
 def test_rocks() -> None:
     for text, radius in (("boulder:0.5", 0.5), ("bowl:0.8", -0.8)):
         data = simulated(*SHORT, "--ground", text)
@@ -251,6 +250,7 @@ def test_a_kind_of_damping_needs_its_size_on_other_robots() -> None:
     assert result.exit_code == 2 and "--damping-kind needs --damping" in result.output
 
 
+@pytest.mark.parametrize("text", ["moon", "slope", "slope:90", "slope:x", "plane:1,2", "level:1"])
 def test_no_grounds(text: str) -> None:
     result = run("simulate", "--ground", text)
     assert result.exit_code == 2
