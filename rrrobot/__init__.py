@@ -36,6 +36,7 @@ from rrrobot.errors import (
     GroundClearanceWarning,
     MissingExtraError,
     ModelError,
+    OrbitError,
     OutputError,
     ParameterError,
     RRRobotError,
@@ -48,6 +49,7 @@ from rrrobot.errors import (
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
+from rrrobot.orbits.limit_cycles import LimitCycle, limit_cycle
 from rrrobot.orbits.oscillations import (
     Mode,
     PeriodRow,
@@ -132,12 +134,14 @@ __all__ = [
     "LegMotion",
     "LegMoves",
     "LegTorques",
+    "LimitCycle",
     "MissingExtraError",
     "Mode",
     "ModelError",
     "MotionState",
     "OptimalCycle",
     "OptimisedGait",
+    "OrbitError",
     "OutputError",
     "ParameterError",
     "ParetoFront",
@@ -185,6 +189,7 @@ __all__ = [
     "height_grid",
     "kkt_build",
     "kkt_solve",
+    "limit_cycle",
     "matching_yaw_amplitude",
     "measured_period",
     "modes",

@@ -48,6 +48,10 @@ class ConstraintError(RRRobotError, ArithmeticError):
     """The KKT system is singular or not finite."""
 
 
+class OrbitError(RRRobotError, ArithmeticError):
+    """No motion that repeats was found, or it leaves what the model can describe."""
+
+
 class OutputError(RRRobotError, OSError):
     """A file cannot be written or read back."""
 

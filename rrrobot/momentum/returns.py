@@ -1,0 +1,257 @@
+"""The flow over whole periods of the legs from any state, for many gaits side by side.
+
+The legs' coefficients are tabulated once for each gait; after that a state is carried through a
+period as often as one likes: for the return map of a limit cycle, its differences, and a look at
+the cycle itself.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numba import njit
+from numpy.typing import NDArray
+
+from rrrobot.checks import Array
+from rrrobot.drive.gaits import Gait
+from rrrobot.momentum.batch import stage_times
+from rrrobot.momentum.coefficients import (
+    LANES,
+    N_COEFFICIENTS,
+    LaneWork,
+    fill,
+    lane_work,
+)
+from rrrobot.momentum.compiled import borrowed
+from rrrobot.momentum.kernels import BLOCK, DECOUPLED, N_STAGES, N_STATE, step
+from rrrobot.momentum.setting import Setting
+from rrrobot.momentum.settle import FourierGaits, tabulate
+from rrrobot.momentum.summary import N_MOTION, ROWS_PER_STEP, angles, lift, motion_of
+
+_YAWS_OWN = (5, 14)
+"""Coefficients that the yaw model alone takes, where it has a gait of its own."""
+
+
+class Cycles(NamedTuple):
+    """One period of the legs of n gaits, tabulated in blocks of LANES."""
+
+    setting: Setting
+    tables: Array
+    """coefficients (blocks, rows, 15 LANES)"""
+    h: Array
+    """step of each lane, for each entry of its state (blocks, BLOCK) [s]"""
+    n: int
+    """number of gaits; what fills the last block up repeats its last gait"""
+
+    @property
+    def steps(self) -> int:
+        """Steps in a period."""
+        return (self.tables.shape[1] - 1) // ROWS_PER_STEP
+
+    @property
+    def period(self) -> Array:
+        """Of each gait's legs (n,) [s]."""
+        return np.asarray(self.h[:, :LANES].reshape(-1)[: self.n] * self.steps)
+
+    def inertia(self) -> Array:
+        """Mean moment of inertia of each gait about the centre (n,) [kg m^2], at the start."""
+        first = self.tables[:, 0].reshape(-1, N_COEFFICIENTS, LANES)[:, 3:6].mean(axis=1)
+        return np.asarray(first.reshape(-1)[: self.n])
+
+
+class Seen(NamedTuple):
+    """What is seen of a period at the start of each of its steps."""
+
+    end: Array
+    """state after the period (n, N_STATE)"""
+    areas: Array
+    """integrals of x, y and yaw over it (n, 3)"""
+    angles: Array
+    """roll, pitch and yaw (n, steps, 3) [rad]"""
+    motion: Array
+    """z_body and angular velocity in the body frame (n, steps, N_MOTION); if decoupled, NaN (3) and
+    the rates of roll, pitch and yaw"""
+    lift: Array
+    """vertical momentum relative to the centre (n, steps); NaN if decoupled"""
+
+
+class _Gait(NamedTuple):
+    """What `tabulate` needs of a block's work."""
+
+    lanes: LaneWork
+    gait: Array
+    omega: Array
+
+
+def cycles_of(
+    setting: Setting, gaits: FourierGaits, steps: int, yaw: FourierGaits | None = None
+) -> Cycles:
+    """Tabulate a period of gaits, each (n, ...); `yaw`: the yaw model's own, if decoupled."""
+    n, harmonics, legs = gaits.sine.shape
+    blocks, rows = -(-n // LANES), steps * ROWS_PER_STEP + 1
+    turn = 2 * np.pi / steps * np.multiply.outer(stage_times(0, 1, steps), np.arange(harmonics) + 1)
+    turns = np.array((np.sin(turn), np.cos(turn)))
+    work = _Gait(
+        lane_work(setting.tree), np.zeros((1 + 2 * harmonics, legs, LANES)), np.zeros(LANES)
+    )
+
+    def tables(some: FourierGaits) -> Array:
+        parts = tuple(np.ascontiguousarray(part, dtype=np.float64) for part in some)
+        out = np.empty((blocks, rows, N_COEFFICIENTS * LANES))
+        _tabulate(setting.tree, parts, turns, work, out)
+        return out
+
+    table = tables(gaits)
+    if yaw is not None:
+        _take_yaw(table, tables(yaw))
+    return Cycles(setting, table, _step_lengths(2 * np.pi / gaits.angular_frequency, steps), n)
+
+
+def cycles_of_gait(
+    setting: Setting, gait: Gait, period: float, steps: int, yaw: Gait | None = None
+) -> Cycles:
+    """Tabulate a period of one gait of any kind."""
+
+    def table(some: Gait) -> Array:
+        motion = some(stage_times(0.0, period / steps, steps))
+        rows = np.empty((len(motion.angle), N_COEFFICIENTS))
+        angle, rate = (np.ascontiguousarray(part) for part in motion[:2])
+        fill(setting.tree, angle, rate, rows)
+        return np.repeat(rows, LANES, axis=1)[None]
+
+    own = table(gait)
+    if yaw is not None:
+        _take_yaw(own, table(yaw))
+    return Cycles(setting, own, _step_lengths(np.array([period]), steps), 1)
+
+
+def _take_yaw(table: Array, other: Array) -> None:
+    for c in _YAWS_OWN:
+        entry = slice(c * LANES, (c + 1) * LANES)
+        table[:, :, entry] = other[:, :, entry]
+
+
+def _step_lengths(period: Array, steps: int) -> Array:
+    blocks = _in_blocks((period / steps)[:, None])
+    return np.ascontiguousarray(np.tile(blocks, (1, N_STATE)))
+
+
+def _in_blocks(rows: Array) -> Array:
+    """(blocks, width LANES) of rows (n, width); the last is repeated to fill the last block."""
+    n, width = rows.shape
+    missing = -n % LANES
+    if missing:
+        rows = np.concatenate((rows, np.repeat(rows[-1:], missing, axis=0)))
+    return np.ascontiguousarray(rows.reshape(-1, LANES, width).transpose(0, 2, 1)).reshape(
+        -1, width * LANES
+    )
+
+
+def _out_of_blocks(blocks: Array, n: int) -> Array:
+    width = blocks.shape[1] // LANES
+    rows = blocks.reshape(-1, width, LANES).transpose(0, 2, 1).reshape(-1, width)
+    return np.ascontiguousarray(rows[:n])
+
+
+def carry(
+    cycles: Cycles, y: Array, periods: int = 1, wanted: NDArray[np.bool_] | None = None
+) -> Array:
+    """States (n, N_STATE) after whole periods of the legs.
+
+    Args:
+        cycles: of n gaits.
+        y: states at the start (n, N_STATE).
+        periods: how many.
+        wanted: which gaits (n,); the states of others may be left as they are. All if None.
+    """
+    state = _in_blocks(y)
+    chosen = np.ones(len(state), dtype=np.bool_)
+    if wanted is not None:
+        full = np.concatenate((wanted, np.zeros(-len(wanted) % LANES, dtype=bool)))
+        chosen = np.asarray(full.reshape(-1, LANES).any(axis=1))
+    par = np.repeat(cycles.setting.parameters, LANES)
+    _carry(state, cycles.tables, cycles.h, chosen, periods, par, cycles.setting.axis, _scratch())
+    return _out_of_blocks(state, cycles.n)
+
+
+def seen(cycles: Cycles, y: Array) -> Seen:
+    """Look at one period that starts from states (n, N_STATE)."""
+    state, blocks = _in_blocks(y), len(cycles.tables)
+    n, steps = cycles.n, cycles.steps
+    areas = np.zeros((blocks, 3 * LANES))
+    out = np.full((blocks, steps, (3 + N_MOTION + 1) * LANES), np.nan)
+    par = np.repeat(cycles.setting.parameters, LANES)
+    _look(state, cycles.tables, cycles.h, par, cycles.setting.axis, _scratch(), areas, out)
+    flat = _history(out, n)
+    return Seen(
+        _out_of_blocks(state, n), _out_of_blocks(areas, n), flat[:, :, :3],
+        flat[:, :, 3 : 3 + N_MOTION], flat[:, :, -1],
+    )  # fmt: skip
+
+
+def _history(out: Array, n: int) -> Array:
+    blocks, steps, _ = out.shape
+    lanes = out.reshape(blocks, steps, -1, LANES).transpose(0, 3, 1, 2)
+    return lanes.reshape(blocks * LANES, steps, -1)[:n]
+
+
+def _scratch() -> tuple[Array, ...]:
+    slopes = np.zeros((N_STAGES, BLOCK))
+    return (slopes, *(np.zeros(n) for n in (BLOCK, BLOCK, 3 * LANES)), np.zeros(N_MOTION))
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _tabulate(tree, gaits, turns, work, out):  # type: ignore[no-untyped-def]
+    tree, gaits, turns, work, out = (
+        borrowed(tree), borrowed(gaits), borrowed(turns), borrowed(work), borrowed(out),
+    )  # fmt: skip
+    for b in range(len(out)):
+        tabulate(tree, gaits, b * LANES, turns, work, out[b])
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _carry(state, tables, h, chosen, periods, par, axis, scratch):  # type: ignore[no-untyped-def]
+    state, tables, h, par, scratch = (
+        borrowed(state), borrowed(tables), borrowed(h), borrowed(par), borrowed(scratch),
+    )  # fmt: skip
+    slopes, total, work, areas, _ = scratch
+    for b in range(len(state)):
+        if not chosen[b]:
+            continue
+        y, table = state[b], tables[b]
+        for _period in range(periods):
+            for at in range(0, len(table) - 1, ROWS_PER_STEP):
+                step(y, table, at, h[b], par, axis, slopes, total, work, areas)
+
+
+@njit(cache=True, nogil=True, error_model="numpy")
+def _look(state, tables, h, par, axis, scratch, areas, out):  # type: ignore[no-untyped-def]
+    state, tables, h, par, scratch, areas, out = (
+        borrowed(state), borrowed(tables), borrowed(h), borrowed(par), borrowed(scratch),
+        borrowed(areas), borrowed(out),
+    )  # fmt: skip
+    slopes, total, work, _, now = scratch
+    before = np.empty(BLOCK)
+    turned = np.empty(3 * LANES)
+    for b in range(len(state)):
+        y, table = state[b], tables[b]
+        for n in range(out.shape[1]):
+            for e in range(BLOCK):
+                before[e] = y[e]
+            at = n * ROWS_PER_STEP
+            step(y, table, at, h[b], par, axis, slopes, total, work, areas[b])
+            angles(before, axis, turned)
+            row = out[b, n]
+            for e in range(3 * LANES):
+                row[e] = turned[e]
+            if axis == DECOUPLED:
+                for i in range(LANES):
+                    row[6 * LANES + i], row[7 * LANES + i] = slopes[0, i], slopes[0, LANES + i]
+                    row[8 * LANES + i] = slopes[0, 9 * LANES + i]
+                continue
+            for i in range(LANES):
+                motion_of(before, slopes, i, now)
+                for s in range(N_MOTION):
+                    row[(3 + s) * LANES + i] = now[s]
+                row[(3 + N_MOTION) * LANES + i] = lift(now, table, at, i)
