@@ -1,20 +1,16 @@
 """rrrobot: legless locomotion of round robots. See README.md."""
 
+from rrrobot import paper
 from rrrobot.constraints import (
-    ConstraintRows,
-    KKTSolution,
-    KKTSystem,
+    Constraint,
+    Instant,
     PrescribedJoints,
     RollingContact,
     contact_drift,
     contact_jacobian,
     contact_point,
-    kkt_build,
-    kkt_solve,
-    projected_acceleration,
-    rolling_null_space,
-    rolling_projector,
 )
+from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.kinematics import contact_path, contact_velocity, sphere_contact_rate
 from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
 from rrrobot.drive.damping import BodyRateDamping, Damping, EulerRateDamping
@@ -46,6 +42,16 @@ from rrrobot.errors import (
     SweepInterrupted,
     UrdfError,
 )
+from rrrobot.kkt import (
+    ConstraintRows,
+    KKTSolution,
+    KKTSystem,
+    kkt_build,
+    kkt_solve,
+    projected_acceleration,
+    rolling_null_space,
+    rolling_projector,
+)
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
@@ -74,7 +80,6 @@ from rrrobot.reduction.checks import (
     controllability,
     path_controllability,
     reducibility,
-    weightless,
 )
 from rrrobot.reduction.connection import Connection, rotation_connection
 from rrrobot.reduction.cycles import OptimalCycle, optimal_cycle
@@ -84,6 +89,7 @@ from rrrobot.robot.examples import example_robots
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.robot import Robot
 from rrrobot.robot.urdf import reduced_urdf, rrrobot_urdf, urdf_path
+from rrrobot.serial import register
 from rrrobot.simulation.recombined import decoupled
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.steady import SteadyState
@@ -114,6 +120,7 @@ __all__ = [
     "CallableGait",
     "Comparison",
     "Connection",
+    "Constraint",
     "ConstraintError",
     "ConstraintRows",
     "Controllability",
@@ -127,7 +134,9 @@ __all__ = [
     "Gait",
     "GaitError",
     "GaitLimits",
+    "Ground",
     "GroundClearanceWarning",
+    "Instant",
     "KKTSolution",
     "KKTSystem",
     "LeastEffort",
@@ -148,6 +157,7 @@ __all__ = [
     "PeriodRow",
     "PitchModel",
     "PivotingModel",
+    "Plane",
     "PrescribedJoints",
     "RRRobotError",
     "RRRobotParameters",
@@ -206,6 +216,7 @@ __all__ = [
     "record",
     "reduced_urdf",
     "reducibility",
+    "register",
     "reproduce",
     "rolling_null_space",
     "rolling_pendulum_period",
@@ -220,7 +231,6 @@ __all__ = [
     "table_3",
     "table_4",
     "urdf_path",
-    "weightless",
     "yaw_drift",
     "yaw_mass_matrix",
     "zero_set",

@@ -25,7 +25,7 @@ from rrrobot.momentum.coefficients import (
 )
 from rrrobot.momentum.compiled import borrowed
 from rrrobot.momentum.kernels import BLOCK, DECOUPLED, N_STAGES, N_STATE, step
-from rrrobot.momentum.setting import Setting
+from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.settle import FourierGaits, tabulate
 from rrrobot.momentum.summary import N_MOTION, ROWS_PER_STEP, angles, lift, motion_of
 

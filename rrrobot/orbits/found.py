@@ -11,9 +11,8 @@ from rrrobot.checks import Array
 from rrrobot.drive.gaits import Gait
 from rrrobot.errors import GaitError, ModelError, OrbitError, ParameterError
 from rrrobot.models.base import Model
-from rrrobot.momentum.batch import decoupled_setting, setting_of
+from rrrobot.momentum.batch import Setting, decoupled_setting, lower
 from rrrobot.momentum.returns import Cycles, Seen, carry, cycles_of_gait
-from rrrobot.momentum.setting import Setting
 from rrrobot.orbits.measures import Measures, look, measures
 from rrrobot.orbits.newton import TOLERANCE, ReturnMap, derivative, iterate, return_map
 from rrrobot.orbits.section import Section, section_of
@@ -78,7 +77,7 @@ def setting_for(model: Any) -> Setting:
         raise ModelError(
             f"model is {model!r}: it must be a model, such as FullModel(robot), or DecoupledModels."
         )
-    return setting_of(model)
+    return lower(model)
 
 
 def prepared(

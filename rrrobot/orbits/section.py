@@ -24,7 +24,7 @@ from rrrobot.checks import Array
 from rrrobot.errors import ModelError
 from rrrobot.momentum.kernels import DECOUPLED, N_STATE
 from rrrobot.momentum.returns import Cycles
-from rrrobot.momentum.setting import Setting
+from rrrobot.momentum.lowering import Setting
 
 _K = 4
 """Where the momentum stands in a state of the engine."""
