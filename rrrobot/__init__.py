@@ -64,6 +64,7 @@ from rrrobot.orbits.oscillations import (
     modes,
     table_3,
 )
+from rrrobot.orbits.sensitivities import Sensitivities, sensitivities
 from rrrobot.paper.closed_forms import (
     composite_period,
     pitch_response,
@@ -166,6 +167,7 @@ __all__ = [
     "Robot",
     "RollModel",
     "RollingContact",
+    "Sensitivities",
     "ShellError",
     "SimulationError",
     "SimulationInterrupted",
@@ -223,6 +225,7 @@ __all__ = [
     "rolling_projector",
     "rotation_connection",
     "rrrobot_urdf",
+    "sensitivities",
     "simple_pendulum_period",
     "simulate",
     "sphere_contact_rate",

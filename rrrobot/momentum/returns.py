@@ -126,6 +126,16 @@ def cycles_of_gait(
     return Cycles(setting, own, _step_lengths(np.array([period]), steps), 1)
 
 
+def replicated(cycles: Cycles, n: int) -> Cycles:
+    """The cycles of one gait n times, for as many starts side by side."""
+    blocks = -(-n // LANES)
+    return cycles._replace(
+        tables=np.repeat(cycles.tables[:1], blocks, axis=0),
+        h=np.repeat(cycles.h[:1], blocks, axis=0),
+        n=n,
+    )
+
+
 def _take_yaw(table: Array, other: Array) -> None:
     for c in _YAWS_OWN:
         entry = slice(c * LANES, (c + 1) * LANES)

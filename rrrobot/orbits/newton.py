@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.momentum.returns import Cycles, carry
+from rrrobot.momentum.returns import Cycles, carry, replicated
 from rrrobot.orbits.section import Section, momentum_scale
 
 TOLERANCE = 1e-12
@@ -71,13 +71,7 @@ def rough_derivative(
     P: ReturnMap, x: Array, image: Array, wanted: NDArray[np.bool_] | None = None
 ) -> Array:
     """dP/dx (n, size, size) by forward differences; to about 1e-7."""
-    n, d = x.shape
-    out = np.empty((n, d, d))
-    for j in range(d):
-        moved = x.copy()
-        moved[:, j] += _FORWARD
-        out[:, :, j] = (P(moved, wanted) - image) / _FORWARD
-    return out
+    return _differences(P, x, ((0, -1.0), (1, 1.0)), _FORWARD, wanted, image)
 
 
 def derivative(P: ReturnMap, x: Array) -> Array:
@@ -86,13 +80,35 @@ def derivative(P: ReturnMap, x: Array) -> Array:
     The map is one of fixed steps, so it is smooth to the last digits and differences of high order
     lose none but the last three.
     """
+    return _differences(P, x, STENCIL, _CENTRAL)
+
+
+def _differences(
+    P: ReturnMap,
+    x: Array,
+    stencil: tuple[tuple[int, float], ...],
+    step: float,
+    wanted: NDArray[np.bool_] | None = None,
+    image: Array | None = None,
+) -> Array:
     n, d = x.shape
-    out = np.zeros((n, d, d))
+    moved = np.array([x + k * step * e for e in np.eye(d) for k, _ in stencil if k != 0])
+    if n == 1:
+        # All starts of one gait fill the lanes.
+        many = P._replace(
+            cycles=replicated(P.cycles, len(moved)), scale=np.repeat(P.scale, len(moved))
+        )
+        images = many(moved[:, 0])[:, None] if len(moved) else moved
+    else:
+        images = np.array([P(some, wanted) for some in moved])
+    out, place = np.zeros((n, d, d)), 0
     for j in range(d):
-        for k, weight in STENCIL:
-            moved = x.copy()
-            moved[:, j] += k * _CENTRAL
-            out[:, :, j] += weight / _CENTRAL * P(moved)
+        for k, weight in stencil:
+            if k == 0:
+                out[:, :, j] += weight / step * image  # type: ignore[operator]
+                continue
+            out[:, :, j] += weight / step * images[place]
+            place += 1
     return out
 
 

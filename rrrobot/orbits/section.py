@@ -23,8 +23,8 @@ import numpy as np
 from rrrobot.checks import Array
 from rrrobot.errors import ModelError
 from rrrobot.momentum.kernels import DECOUPLED, N_STATE
-from rrrobot.momentum.returns import Cycles
 from rrrobot.momentum.lowering import Setting
+from rrrobot.momentum.returns import Cycles
 
 _K = 4
 """Where the momentum stands in a state of the engine."""
