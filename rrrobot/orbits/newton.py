@@ -123,6 +123,7 @@ def iterate(
     *,
     wanted: NDArray[np.bool_] | None = None,
     limit: int = 30,
+    trusting: bool = False,
 ) -> Roots:
     """Roots of P(x) - x from starts x (n, size); see the module.
 
@@ -132,6 +133,8 @@ def iterate(
         inverse: of dF/dx (n, size, size); by differences at x if None.
         wanted: which gaits (n,); all if None.
         limit: most steps.
+        trusting: leave the last step unproven where the steps before foretell that it ends below
+            the tolerance; the residual is then what is foretold, and the caller has to look.
     """
     n, d = x.shape
     x = x.copy()
@@ -162,9 +165,16 @@ def iterate(
         fine = todo & ~worse & np.isfinite(new_size)
         # Rounding: neither smaller nor larger means there is no more to gain.
         floor = fine & (new_size >= 0.5 * size) & (size <= TOLERANCE)
+        old_size = size.copy()
         moved, dF = dx[fine], (new - F)[fine]
         H[fine] = _updated(H[fine], moved, dF)
         x[fine], F[fine], size[fine] = trial[fine], new[fine], new_size[fine]
+        if trusting:
+            foretold = new_size * (new_size / np.maximum(old_size, 1e-300)) ** 1.5
+            last = fine & (foretold <= 0.1 * TOLERANCE) & (size > 0.03 * TOLERANCE)
+            x[last] += _step(H[last], F[last])
+            size[last] = foretold[last]
+            todo &= ~last
         halved[fine] = 0
         halved[worse] += 1
         todo &= (fine | worse) & ~floor

@@ -168,7 +168,7 @@ def _along(
 
     maps = {k: map_at(k) for k, _ in STENCIL}
     by_parameter = _stencil(lambda k: maps[k][1](x[None])[0]) / step
-    tangent = np.linalg.solve(gap, by_parameter) if x.size else by_parameter
+    tangent = np.asarray(np.linalg.solve(gap, by_parameter), dtype=float) if x.size else x
 
     def outputs(k: int) -> Array:
         case, P = maps[k]
