@@ -27,6 +27,7 @@ from rrrobot.drive.gaits import (
 from rrrobot.drive.moves import LegMoves, one_leg_gait, out_of_phase_gait
 from rrrobot.drive.torques import LegTorques, MotionState
 from rrrobot.errors import (
+    BranchInterrupted,
     ConstraintError,
     GaitError,
     GroundClearanceWarning,
@@ -55,6 +56,7 @@ from rrrobot.kkt import (
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
+from rrrobot.orbits.branches import Branch, branch
 from rrrobot.orbits.limit_cycles import LimitCycle, limit_cycle
 from rrrobot.orbits.oscillations import (
     Mode,
@@ -118,6 +120,8 @@ from rrrobot.view.viewer import Viewer, record
 
 __all__ = [
     "BodyRateDamping",
+    "Branch",
+    "BranchInterrupted",
     "CallableGait",
     "Comparison",
     "Connection",
@@ -185,6 +189,7 @@ __all__ = [
     "Viewer",
     "YawModel",
     "YawPlan",
+    "branch",
     "compare",
     "composite_period",
     "contact_drift",

@@ -182,8 +182,10 @@ def find(case: Case, start: Array | None = None) -> Found:
     return described(case, P, x[0], spent)
 
 
-def described(case: Case, P: ReturnMap, x: Array, spent: int = 0) -> Found:
-    """All about the orbit at coordinates x (size,)."""
+def described(
+    case: Case, P: ReturnMap, x: Array, spent: int = 0, monodromy: Array | None = None
+) -> Found:
+    """All about the orbit at coordinates x (size,); monodromy: dP/dx where it is known."""
     cycles = P.cycles
     y = case.section.state(x[None], P.scale)
     sight = look(cycles, y, case.periods)
@@ -195,8 +197,10 @@ def described(case: Case, P: ReturnMap, x: Array, spent: int = 0) -> Found:
             "rates is singular: use BodyRateDamping, or swing the legs less."
         )
     residual = float(np.abs(case.section.point(sight.end, P.scale) - x).max(initial=0.0))
+    if monodromy is None:
+        monodromy = derivative(P, x[None])[0]
     return Found(
-        case=case, map=P, point=x, residual=residual, monodromy=derivative(P, x[None])[0],
+        case=case, map=P, point=x, residual=residual, monodromy=monodromy,
         sight=sight, measures=m, steps=cycles.steps, iterations=spent,
     )  # fmt: skip
 
