@@ -1,4 +1,4 @@
-"""How do I keep a result, and go on from it later? Save, load, continue, plot."""
+"""How do I keep a result, share it, and go on from it later? Save, load, CSV, continue, plot."""
 
 from pathlib import Path
 
@@ -17,6 +17,10 @@ print(f"wrote {saved}")
 # Another day: the robot, the model and the gait are in the file.
 first = rr.Trajectory.load(saved)
 print(first, first.metadata["gait"])
+
+# For a colleague with a spreadsheet, one with MATLAB, one with xarray.
+print(f"wrote {first.to_csv(out / 'run.csv')} and {first.to_mat(out / 'run.mat')}")
+print(first.to_dataset().leg_torque.attrs)
 
 # Whole cycles were simulated, so the gait begins again where it stopped.
 second = rr.simulate(model, gait, 10 * period, period / 60, state=first.state[-1])

@@ -37,9 +37,9 @@ def kane_monodromy(axis, gait, damping, state, step=1e-4):
 def mathieu():
     """Legs in phase about the horizontal, a bit above twice the frequency of the roll."""
     model = rr.RollModel(ROBOT, damping=LIGHT)
-    omega = 1.04 * 4 * np.pi / rr.modes(model, (0.0, 0.0))[0].period
+    omega = 1.04 * 4 * np.pi / rr.orbits.modes(model, (0.0, 0.0))[0].period
     gait = rr.SinusoidalGait(offset=0.0, amplitude=0.02, angular_frequency=omega)
-    return rr.branch(rr.limit_cycle(model, gait), "amplitude", to=0.4)
+    return rr.orbits.branch(rr.limit_cycle(model, gait), "amplitude", to=0.4)
 
 
 def test_period_doubling_where_kanes_hill_equation_has_it(mathieu):
@@ -80,7 +80,7 @@ def duffing():
     """The pitch, softening as a pendulum does, through its resonance from above."""
     model = rr.PitchModel(ROBOT, damping=0.0015)
     gait = rr.SinusoidalGait(offset=np.pi / 2, amplitude=0.04, angular_frequency=7.0)
-    return rr.branch(rr.limit_cycle(model, gait), "angular_frequency", to=4.5, back=8.0)
+    return rr.orbits.branch(rr.limit_cycle(model, gait), "angular_frequency", to=4.5, back=8.0)
 
 
 def test_folds_of_a_softening_pendulum(duffing):
@@ -106,7 +106,7 @@ def test_folds_of_a_softening_pendulum(duffing):
 def test_symmetry_is_lost_with_legs_in_phase():
     """RRRobot rocking forward and back begins to roll and to turn: a branch point."""
     gait = rr.SinusoidalGait(offset=np.pi / 2, amplitude=0.3, angular_frequency=5.2)
-    line = rr.branch(rr.limit_cycle(FULL, gait), "amplitude", to=0.7)
+    line = rr.orbits.branch(rr.limit_cycle(FULL, gait), "amplitude", to=0.7)
     assert [kind for kind, _ in line.special] == ["branch point"] * 2
     where = line.value[line.special[0][1]]
     assert where == pytest.approx(0.404621, abs=1e-5)
@@ -118,7 +118,7 @@ def test_symmetry_is_lost_with_legs_in_phase():
 
 def test_points_of_a_branch_are_limit_cycles():
     c = rr.limit_cycle(FULL, rr.gait("circular"))
-    line = rr.branch(c, "leg_mass", to=0.08)
+    line = rr.orbits.branch(c, "leg_mass", to=0.08)
     assert line.value[-1] == pytest.approx(0.08, rel=1e-12)
     heavy = rr.Robot.from_parameters(rr.RRRobotParameters(leg_mass=0.08))
     end = rr.limit_cycle(rr.FullModel(heavy), rr.gait("circular"))
@@ -129,10 +129,10 @@ def test_points_of_a_branch_are_limit_cycles():
 def test_save_resume_and_plot(tmp_path):
     c = rr.limit_cycle(FULL, rr.gait("circular"))
     store = tmp_path / "branch.nc"
-    part = rr.branch(c, "amplitude", to=0.6, points=4, store=store)
+    part = rr.orbits.branch(c, "amplitude", to=0.6, points=4, store=store)
     assert "4 points" in part.ended
-    whole = rr.branch(c, "amplitude", to=0.6, store=store)
-    direct = rr.branch(c, "amplitude", to=0.6)
+    whole = rr.orbits.branch(c, "amplitude", to=0.6, store=store)
+    direct = rr.orbits.branch(c, "amplitude", to=0.6)
     np.testing.assert_allclose(whole.value[:4], part.value[:4], rtol=1e-9)
     assert whole.value[-1] == pytest.approx(0.6)
     assert whole.cycles[-1].speed == pytest.approx(direct.cycles[-1].speed, rel=1e-9)
@@ -140,7 +140,7 @@ def test_save_resume_and_plot(tmp_path):
     assert data.speed.attrs["units"] == "m/s" and data.stable.values.all()
     whole.plot("yaw_rate").figure.savefig(tmp_path / "branch.png")
     with pytest.raises(rr.OutputError, match="holds another branch"):
-        rr.branch(c, "offset", to=1.0, store=store)
+        rr.orbits.branch(c, "offset", to=1.0, store=store)
 
 
 def test_interrupting_keeps_the_branch(monkeypatch):
@@ -154,14 +154,14 @@ def test_interrupting_keeps_the_branch(monkeypatch):
         return step(self, point)
 
     monkeypatch.setattr(branches.Walk, "_stepped", stopped)
-    with pytest.raises(rr.BranchInterrupted, match="after 4 points") as caught:
-        rr.branch(c, "amplitude", to=0.9)
+    with pytest.raises(rr.errors.BranchInterrupted, match="after 4 points") as caught:
+        rr.orbits.branch(c, "amplitude", to=0.9)
     assert len(caught.value.branch.cycles) == 4
 
 
 def test_a_branch_ends_at_lift_off_with_the_reason():
     gait = rr.SinusoidalGait(offset=0.5, amplitude=0.3, angular_frequency=20.0, phase=(0.0, 0.3))
-    line = rr.branch(rr.limit_cycle(FULL, gait), "angular_frequency", to=60.0)
+    line = rr.orbits.branch(rr.limit_cycle(FULL, gait), "angular_frequency", to=60.0)
     assert "normal force reaches zero" in line.ended
     assert line.cycles[-1].lifts_off
 
@@ -169,8 +169,8 @@ def test_a_branch_ends_at_lift_off_with_the_reason():
 def test_bad_input():
     c = rr.limit_cycle(FULL, rr.gait("circular"))
     with pytest.raises(rr.ParameterError, match="no parameter 'hat' here: it must be one of"):
-        rr.branch(c, "hat", to=1.0)
+        rr.orbits.branch(c, "hat", to=1.0)
     with pytest.raises(rr.ParameterError, match="where the cycle is already"):
-        rr.branch(c, "amplitude", to=0.3)
+        rr.orbits.branch(c, "amplitude", to=0.3)
     with pytest.raises(rr.ParameterError, match="has 0 events"):
-        rr.branch(c, "amplitude", to=0.31).switched()
+        rr.orbits.branch(c, "amplitude", to=0.31).switched()

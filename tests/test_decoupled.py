@@ -49,7 +49,7 @@ def test_superposition_is_the_three_simulations(robot: rr.Robot, recombined: rr.
 
 
 def test_the_path_is_that_of_its_angles(recombined: rr.Trajectory) -> None:
-    path = rr.contact_path(UNEQUAL.shell_radius, recombined.time, recombined.euler)
+    path = rr.contact.contact_path(UNEQUAL.shell_radius, recombined.time, recombined.euler)
     assert np.ptp(path, axis=0).min() > 1e-3
     assert np.abs(recombined.position - path).max() < 1e-8
     assert recombined.slip.max() < 1e-13
@@ -60,12 +60,12 @@ def test_contact_kinematics_of_the_full_model(robot: rr.Robot, rolled: rr.Trajec
     """The full model's own rotation, through eqs (2)-(3), is the full model's path: from samples,
     and from a function."""
     r = UNEQUAL.shell_radius
-    from_samples = rr.contact_path(r, rolled.time, rolled.euler)
+    from_samples = rr.contact.contact_path(r, rolled.time, rolled.euler)
     assert np.abs(rolled.position - from_samples).max() < 1e-8
 
     angles = make_interp_spline(rolled.time, rolled.euler, k=7)
     rates = angles.derivative()
-    from_function = rr.contact_path(r, rolled.time, lambda t: (angles(t), rates(t)))
+    from_function = rr.contact.contact_path(r, rolled.time, lambda t: (angles(t), rates(t)))
     assert np.abs(rolled.position - from_function).max() < 1e-8
     assert np.ptp(rolled.position, axis=0).min() > 1e-2
 

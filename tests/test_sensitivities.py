@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
-from rrrobot.orbits.sensitivities import OUTPUTS
+from rrrobot.orbits.gradients import OUTPUTS
 from tests.random_robot import random_robot
 
 PARAMETERS = rr.RRRobotParameters()
@@ -61,7 +61,7 @@ CASES = {
 
 @pytest.fixture(scope="module")
 def found():
-    return rr.sensitivities(rr.limit_cycle(rr.FullModel(ROBOT), rr.SinusoidalGait(**BASE)))
+    return rr.orbits.sensitivities(rr.limit_cycle(rr.FullModel(ROBOT), rr.SinusoidalGait(**BASE)))
 
 
 @pytest.mark.parametrize("name", CASES)
@@ -90,7 +90,7 @@ def test_speed_of_turned_phases_is_a_time_shift(found):
 def test_scaling_all_lengths_and_masses():
     """Similarity: masses and damping times k leave the motion as it is (Euler's theorem)."""
     c = rr.limit_cycle(rr.FullModel(ROBOT), rr.gait("circular"))
-    s = rr.sensitivities(c, ["leg_mass", "servo_mass", "battery_mass", "damping"])
+    s = rr.orbits.sensitivities(c, ["leg_mass", "servo_mass", "battery_mass", "damping"])
     weights = np.array([p.value for p in s.parameters])
     for output in OUTPUTS:
         parts = weights * s.derivatives[output]
@@ -102,7 +102,7 @@ def test_any_robot_has_masses_and_radius():
     gait = rr.SinusoidalGait(offset=np.linspace(-0.2, 0.3, 12), amplitude=0.2,
                              angular_frequency=7.0, phase=np.arange(12.0))  # fmt: skip
     c = rr.limit_cycle(model, gait)
-    s = rr.sensitivities(c)
+    s = rr.orbits.sensitivities(c)
     masses = [i for i, p in enumerate(s.parameters) if p.unit == "kg"]
     assert len(masses) == 13
     weights = np.array([p.value for p in s.parameters])
@@ -123,6 +123,6 @@ def test_ranking_plot_and_data(found, tmp_path):
 
 def test_bad_names(found):
     with pytest.raises(rr.ParameterError, match="no parameter 'legs' here: it must be one of off"):
-        rr.sensitivities(found.cycle, ["legs"])
+        rr.orbits.sensitivities(found.cycle, ["legs"])
     with pytest.raises(rr.ParameterError, match="output is 'pace'"):
         found.of("pace", "gravity")

@@ -19,7 +19,7 @@ class MotionState:
 
     Example:
         >>> import rrrobot as rr
-        >>> def hold(state: rr.MotionState):
+        >>> def hold(state: rr.drive.MotionState):
         ...     return -0.5 * (state.leg_angle - 1.57) - 0.02 * state.leg_rate
         >>> rr.LegTorques(hold, angle=(1.4, 1.7), feedback=True).name
         'hold'

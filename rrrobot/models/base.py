@@ -36,6 +36,7 @@ from rrrobot.drive.damping import (
 )
 from rrrobot.drive.gaits import LegMotion
 from rrrobot.errors import ConstraintError, GaitError, ModelError, ParameterError
+from rrrobot.inline import shows
 from rrrobot.integrate import MAX_STEP
 from rrrobot.kkt import kkt_build, kkt_solve
 from rrrobot.models.terms import Dynamics, Equations, Placement
@@ -316,10 +317,9 @@ class Model(ABC):
         """Raise ModelError where a value is not zero on an axis that this model locks."""
         locked = [i for i in range(3) if i not in self.axes and values[i] != 0]
         if locked:
-            names = ("roll", "pitch", "yaw")
             raise ModelError(
                 f"{name} is {values.tolist()} (roll, pitch, yaw): the {self.name} model locks "
-                f"{', '.join(names[i] for i in locked)}, so that entry must be zero."
+                f"{', '.join(('roll', 'pitch', 'yaw')[i] for i in locked)}: zero is needed there."
             )
 
     def remade(self, robot: Robot) -> Model:
@@ -340,11 +340,11 @@ class Model(ABC):
         ground, damping = ground_from_dict(data["ground"]), damping_from_dict(data["damping"])
         return cls(data["robot"], ground=ground, damping=damping)  # type: ignore[call-arg]
 
+    _repr_html_ = shows("robot", "ground", "damping")
+
     def __repr__(self) -> str:
-        level = isinstance(self.ground, Plane) and self.ground == Plane()
-        ground = "" if level else f", ground={self.ground!r}"
+        ground = "" if self.ground == Plane() else f", ground={self.ground!r}"
         return f"{type(self).__name__}({self.robot!r}{ground}, damping={self.damping!r})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        make = partial(type(self), ground=self.ground, damping=self.damping)
-        return (make, (self.robot,))
+        return partial(type(self), ground=self.ground, damping=self.damping), (self.robot,)

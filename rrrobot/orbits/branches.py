@@ -50,7 +50,7 @@ class Branch:
     Example:
         >>> import rrrobot as rr
         >>> c = rr.limit_cycle(rr.FullModel(rr.Robot.from_parameters()), rr.gait("circular"))
-        >>> b = rr.branch(c, "amplitude", to=0.35)
+        >>> b = rr.orbits.branch(c, "amplitude", to=0.35)
         >>> b.special, round(b.value[-1], 2), b.stable.all()
         ([], np.float64(0.35), np.True_)
     """

@@ -132,8 +132,8 @@ def checked_period(gait: Gait, legs: int) -> float:
         rates = np.ones((1, 1))
     if not np.any(np.abs(rates) > _STILL):
         raise GaitError(
-            "the legs do not move, so there is no cycle: see rr.equilibrium and rr.modes for rest "
-            "and the oscillations about it, or give the gait an amplitude."
+            "the legs do not move, so there is no cycle: see equilibrium and modes of rr.orbits for "
+            "rest and the oscillations about it, or give the gait an amplitude."
         )
     if gait.period is None:
         raise GaitError(
@@ -240,6 +240,6 @@ def _refusal(case: Case, residual: float, spent: int) -> OrbitError:
     return OrbitError(
         f"no orbit of {case.periods} period{'s' * (case.periods > 1)} was found for the "
         f"{case.model.name} model: after {spent} simulated periods {reached}. Start from a "
-        "neighbour's cycle (start=), follow a branch from a smaller amplitude (rr.branch), or try "
-        "periods=2."
+        "neighbour's cycle (start=), follow a branch from a smaller amplitude with "
+        "rr.orbits.branch, or try periods=2."
     )

@@ -13,13 +13,11 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from rrrobot.orbits.branches import Branch
-    from rrrobot.orbits.sensitivities import Sensitivities
+    from rrrobot.orbits.gradients import Sensitivities
 
 
-def plot_effects(found: Sensitivities, output: str, ax: Axes | None, count: int) -> Any:
+def plot_effects(found: Sensitivities, output: str, unit: str, ax: Axes | None, count: int) -> Any:
     """Bars of the largest effects on an output; see `Sensitivities.plot`."""
-    from rrrobot.orbits.sensitivities import OUTPUTS
-
     names, effects = found.ranked(output)[:count], found.effects(output)
     values = np.array([effects[found.names.index(name)] for name in names])
     ax = ax or new_axes()
@@ -27,7 +25,7 @@ def plot_effects(found: Sensitivities, output: str, ax: Axes | None, count: int)
     ax.barh(rows, values, color=[COLOURS[0] if v >= 0 else COLOURS[1] for v in values], height=0.7)
     ax.axvline(0.0, color="#000000", linewidth=0.8)
     label = output.replace("_", " ")
-    tidy(ax, f"change of {label} by 0.01 rad or 1 % [{OUTPUTS[output]}]", "")
+    tidy(ax, f"change of {label} by 0.01 rad or 1 % [{unit}]", "")
     ax.set_yticks(rows, names, fontsize=FONT - 1)
     return ax
 

@@ -20,6 +20,7 @@ import numpy as np
 
 from rrrobot.checks import Array, finite
 from rrrobot.errors import ParameterError
+from rrrobot.inline import html_table
 
 
 class Motion(Protocol):
@@ -102,6 +103,25 @@ class SteadyState:
         """Everything as plain data, for JSON."""
         data = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in asdict(self).items()}
         return data | {"curvature": self.curvature if math.isfinite(self.curvature) else None}
+
+    def _repr_html_(self) -> str:
+        every = zip(("roll", "pitch", "yaw"), self.amplitude, self.phase, self.mean, strict=True)
+        rows = [
+            ("speed", f"{1000 * self.speed:.4f} mm/s"),
+            ("yaw rate", f"{np.rad2deg(self.yaw_rate) + 0.0:.4f} deg/s"),
+            ("curvature", f"{self.curvature + 0.0:.4g} 1/m"),
+            *(
+                (
+                    axis,
+                    f"amplitude {np.rad2deg(amplitude):.3f} deg, "
+                    f"phase {np.rad2deg(phase):.1f} deg, mean {np.rad2deg(mean) + 0.0:.3f} deg",
+                )
+                for axis, amplitude, phase, mean in every
+            ),
+            ("counted", f"{self.cycles} cycles of {self.period:.4g} s from {self.start:.4g} s"),
+            ("steps vary by", f"{100 * self.variation:.2g} %"),
+        ]
+        return html_table("Steady state", rows)
 
 
 def steady_state(

@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -15,8 +15,14 @@ from rrrobot.checks import Array
 from rrrobot.contact.ground import Ground, ground_from_dict, normals
 from rrrobot.errors import ModelError, OutputError
 from rrrobot.files import write_whole
+from rrrobot.inline import html_table
 from rrrobot.robot.robot import Robot
+from rrrobot.simulation import export
 from rrrobot.simulation.steady import SteadyState, steady_state
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 FORMAT = "rrrobot trajectory 2"
 
@@ -182,6 +188,30 @@ class Trajectory:
         np.savez_compressed(buffer, header=np.array(text), **arrays)
         return write_whole(target, buffer.getvalue())
 
+    def to_dataset(self) -> xr.Dataset:
+        """An xarray.Dataset with units, frames and descriptions; see `simulation.export`."""
+        return export.to_dataset(self)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A pandas.DataFrame over the time [s]; `attrs["units"]` has each column's unit."""
+        return export.to_pandas(self)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write the columns of `to_pandas`, headed "name [unit]", to a .csv file.
+
+        Raises:
+            OutputError: the file cannot be written, or its name does not end in .csv.
+        """
+        return export.to_csv(self, path)
+
+    def to_mat(self, path: str | Path) -> Path:
+        """Write every array, with structs of units and descriptions, to a MATLAB .mat file.
+
+        Raises:
+            OutputError: the file cannot be written, or its name does not end in .mat.
+        """
+        return export.to_mat(self, path)
+
     @classmethod
     def load(cls, path: str | Path) -> Trajectory:
         """Read what `save` wrote.
@@ -208,6 +238,9 @@ class Trajectory:
             raise OutputError(
                 f"{str(path)!r} is not a trajectory that rrrobot saved: {reason}."
             ) from error
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self), {}, figure=self.plot("all"))
 
     def __len__(self) -> int:
         return len(self.time)

@@ -58,7 +58,7 @@ class Sensitivities:
     Example:
         >>> import rrrobot as rr
         >>> model = rr.FullModel(rr.Robot.from_parameters())
-        >>> s = rr.sensitivities(rr.limit_cycle(model, rr.gait("circular")))
+        >>> s = rr.orbits.sensitivities(rr.limit_cycle(model, rr.gait("circular")))
         >>> s.ranked("speed")[0]
         'shell_radius'
     """
@@ -108,7 +108,8 @@ class Sensitivities:
         """Bars of the largest effects on an output; returns the Axes."""
         from rrrobot.orbits.plots_parameters import plot_effects
 
-        return plot_effects(self, output, ax, count)
+        self._values(output)
+        return plot_effects(self, output, OUTPUTS[output], ax, count)
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data, for JSON."""

@@ -1,0 +1,2 @@
+from rrrobot.steering.yaw_planner import YawPlan as YawPlan
+from rrrobot.steering.yaw_planner import plan_yaw as plan_yaw
