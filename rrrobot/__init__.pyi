@@ -43,6 +43,7 @@ from rrrobot.errors import ModelError as ModelError
 from rrrobot.errors import OrbitError as OrbitError
 from rrrobot.errors import OutputError as OutputError
 from rrrobot.errors import ParameterError as ParameterError
+from rrrobot.errors import PlanError as PlanError
 from rrrobot.errors import RRRobotError as RRRobotError
 from rrrobot.errors import ShellError as ShellError
 from rrrobot.errors import SimulationError as SimulationError
@@ -67,6 +68,8 @@ from rrrobot.simulation.recombined import decoupled as decoupled
 from rrrobot.simulation.run import simulate as simulate
 from rrrobot.simulation.steady import SteadyState as SteadyState
 from rrrobot.simulation.trajectory import Trajectory as Trajectory
+from rrrobot.steering.planner import Plan as Plan
+from rrrobot.steering.planner import plan as plan
 from rrrobot.studies.optimisation.pareto import pareto_front as pareto_front
 from rrrobot.studies.optimisation.run import optimise as optimise
 from rrrobot.studies.optimisation.table import GaitLimits as GaitLimits

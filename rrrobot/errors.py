@@ -10,6 +10,7 @@ if TYPE_CHECKING:
 
     from rrrobot.orbits.branches import Branch
     from rrrobot.simulation.trajectory import Trajectory
+    from rrrobot.steering.planner import Plan
 
 
 class RRRobotError(Exception):
@@ -116,6 +117,21 @@ class BranchInterrupted(RRRobotError, RuntimeError, KeyboardInterrupt):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (type(self), (str(self), self.branch))
+
+
+class PlanError(RRRobotError, RuntimeError):
+    """No plan was found.
+
+    Attributes:
+        nearest: the plan that ends nearest to the goal, or None if there is none.
+    """
+
+    def __init__(self, message: str, *, nearest: Plan | None = None) -> None:
+        super().__init__(message)
+        self.nearest = nearest
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (partial(type(self), nearest=self.nearest), self.args)
 
 
 class GroundClearanceWarning(UserWarning):

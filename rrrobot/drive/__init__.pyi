@@ -14,6 +14,9 @@ from rrrobot.drive.moves import LegMoves as LegMoves
 from rrrobot.drive.moves import one_leg_gait as one_leg_gait
 from rrrobot.drive.moves import out_of_phase_gait as out_of_phase_gait
 from rrrobot.drive.samples import SampledGait as SampledGait
+from rrrobot.drive.schedule import Schedule as Schedule
+from rrrobot.drive.schedule import Stretch as Stretch
+from rrrobot.drive.schedule import stretch as stretch
 from rrrobot.drive.tables import GaitTable as GaitTable
 from rrrobot.drive.tables import gait_from_dict as gait_from_dict
 from rrrobot.drive.tables import gait_table as gait_table

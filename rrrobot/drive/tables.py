@@ -17,6 +17,7 @@ from rrrobot import serial
 from rrrobot.checks import Array, finite
 from rrrobot.drive.gaits import Gait
 from rrrobot.drive.samples import SampledGait
+from rrrobot.drive.schedule import Schedule  # noqa: F401 (so that it is registered)
 from rrrobot.errors import GaitError, OutputError, ParameterError
 from rrrobot.files import write_whole
 

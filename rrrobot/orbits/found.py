@@ -132,8 +132,8 @@ def checked_period(gait: Gait, legs: int) -> float:
         rates = np.ones((1, 1))
     if not np.any(np.abs(rates) > _STILL):
         raise GaitError(
-            "the legs do not move, so there is no cycle: see equilibrium and modes of rr.orbits for "
-            "rest and the oscillations about it, or give the gait an amplitude."
+            "the legs do not move, so there is no cycle: see equilibrium and modes in rr.orbits "
+            "for rest and the oscillations about it, or give the gait an amplitude."
         )
     if gait.period is None:
         raise GaitError(

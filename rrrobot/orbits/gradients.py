@@ -58,9 +58,11 @@ class Sensitivities:
     Example:
         >>> import rrrobot as rr
         >>> model = rr.FullModel(rr.Robot.from_parameters())
-        >>> s = rr.orbits.sensitivities(rr.limit_cycle(model, rr.gait("circular")))
-        >>> s.ranked("speed")[0]
-        'shell_radius'
+        >>> s = rr.orbits.sensitivities(
+        ...     rr.limit_cycle(model, rr.gait("circular")), ["leg_mass", "damping"]
+        ... )
+        >>> s.names
+        ('leg_mass', 'damping')
     """
 
     cycle: LimitCycle
