@@ -190,7 +190,8 @@ def branch(
 
     Args:
         cycle: where to start.
-        parameter: its name; see `Parameters` in the docs, or any wrong name for the list.
+        parameter: its name, such as `amplitude`, `offset[0]`, `angular_frequency`, `leg_mass`,
+            `damping`; a wrong one is answered with the list.
         to: value towards which to go, where the branch ends [the parameter's unit].
         back: value at which it ends if a fold turns it round; as far again behind the start if
             None.
@@ -206,6 +207,13 @@ def branch(
         OrbitError: not even the first step is possible.
         OutputError: the store is another branch's, or cannot be written.
         BranchInterrupted: Ctrl-C; `.branch` holds the points so far.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> c = rr.limit_cycle(rr.FullModel(rr.Robot.from_parameters()), rr.gait("circular"))
+        >>> line = rr.orbits.branch(c, "leg_mass", to=0.06)
+        >>> round(float(line.value[-1]), 6), line.special
+        (0.06, [])
     """
     case = cycle.found.case
     chosen = parameter_of(case, parameter)

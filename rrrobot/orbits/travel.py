@@ -123,6 +123,12 @@ def travel_form(model: Any, *, offset: ArrayLike, angular_frequency: float) -> T
 
     Raises:
         OrbitError: small cycles about this offset do not hold: the robot tips over there.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> model = rr.FullModel(rr.Robot.from_parameters())
+        >>> rr.orbits.travel_form(model, offset=0.9, angular_frequency=8.0).matrix.shape
+        (3, 4, 4)
     """
     legs = model.robot.n_legs
     centre = vector("offset", offset, legs, "rad", broadcast=True, error=GaitError)
