@@ -84,7 +84,7 @@ def test_an_orbit_that_does_not_hold_is_not_settled():
     grid = {"offset": np.pi / 2, "phase_difference": 0.0, "angular_frequency": 5.2}
     found = rr.sweep(FULL, amplitude=[0.3, 0.5, 0.7], settle="orbit", steps_per_cycle=24,
                      progress=False, **grid)  # fmt: skip
-    assert found.status.values.tolist() == [0, 4, 0]
+    assert found.status.values.tolist() == [0, 6, 0]
     assert np.isnan(found.speed.values[1])
 
 

@@ -103,6 +103,28 @@ def test_random_trees_of_twelve_joints(seed):
     travelled_the_same(c, long, 1)
 
 
+def test_an_ellipsoid_rolls_into_its_cycle():
+    """A shell that is no sphere: the long run, and the return of Pinocchio's KKT form."""
+    base = rr.Robot.from_parameters()
+    robot = rr.Robot.from_urdf(base.urdf, shell=rr.Ellipsoid((0.13, 0.12, 0.12)))
+    model = rr.FullModel(robot, damping=0.01)
+    gait = rr.gait("circular")
+    c = limit_cycle(model, gait)
+    assert c.stable and c.residual < 1e-12
+    t = c.trajectory(c.period, c.period / 200)
+    np.testing.assert_allclose(t.euler[-1, :2], t.euler[0, :2], atol=1e-9)
+    kkt = rr.simulate(model, gait, c.period, c.period, euler=c.euler, start=c.euler_rates)
+    np.testing.assert_allclose(kkt.euler[-1, :2], c.euler[:2], atol=1e-8)
+    np.testing.assert_allclose(kkt.euler_rates[-1], c.euler_rates, atol=1e-7)
+    assert c.normal_force == pytest.approx(t.normal_force.min(), abs=2e-4)
+
+
+def test_slopes_are_refused():
+    model = rr.FullModel(ROBOT, ground=rr.Plane((0.1, 0.0, 1.0)))
+    with pytest.raises(rr.ModelError, match="not on level ground"):
+        limit_cycle(model, rr.gait("circular"))
+
+
 def test_small_deviations_die_away_as_the_multipliers_say():
     """The momentum engine's own long run, deviation from the cycle after five periods."""
     gait = rr.gait("lateral")

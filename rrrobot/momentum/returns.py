@@ -24,8 +24,11 @@ from rrrobot.momentum.coefficients import (
     lane_work,
 )
 from rrrobot.momentum.compiled import borrowed
-from rrrobot.momentum.kernels import BLOCK, DECOUPLED, N_STAGES, N_STATE, step
+from rrrobot.momentum.kernels import ANY, BLOCK, DECOUPLED, N_STAGES, N_STATE, step
+from rrrobot.momentum.lane import scratch
 from rrrobot.momentum.lowering import Setting
+from rrrobot.momentum.normal import N_ANY_MOTION, contact_motion, push
+from rrrobot.momentum.rolling import evaluate_lanes
 from rrrobot.momentum.settle import FourierGaits, tabulate
 from rrrobot.momentum.summary import N_MOTION, ROWS_PER_STEP, angles, lift, motion_of
 
@@ -70,10 +73,13 @@ class Seen(NamedTuple):
     angles: Array
     """roll, pitch and yaw (n, steps, 3) [rad]"""
     motion: Array
-    """z_body and angular velocity in the body frame (n, steps, N_MOTION); if decoupled, NaN (3) and
-    the rates of roll, pitch and yaw"""
+    """z_body and angular velocity in the body frame, and of any shell the contact's motion
+    (n, steps, entries); if decoupled, NaN (3) and the rates of roll, pitch and yaw"""
     lift: Array
-    """vertical momentum relative to the centre (n, steps); NaN if decoupled"""
+    """vertical momentum relative to the centre, of any shell the whole (n, steps); NaN if
+    decoupled"""
+    push: Array
+    """what its rate lacks of the normal force, of any shell (n, steps)"""
 
 
 class _Gait(NamedTuple):
@@ -180,23 +186,31 @@ def carry(
     if wanted is not None:
         full = np.concatenate((wanted, np.zeros(-len(wanted) % LANES, dtype=bool)))
         chosen = np.asarray(full.reshape(-1, LANES).any(axis=1))
-    par = np.repeat(cycles.setting.parameters, LANES)
-    _carry(state, cycles.tables, cycles.h, chosen, periods, par, cycles.setting.axis, _scratch())
+    setting = cycles.setting
+    par = np.repeat(setting.parameters, LANES)
+    _carry(
+        state, cycles.tables, cycles.h, chosen, periods, par, setting.axis, setting.terrain,
+        scratch(setting.terrain), _scratch(),
+    )  # fmt: skip
     return _out_of_blocks(state, cycles.n)
 
 
 def seen(cycles: Cycles, y: Array) -> Seen:
     """Look at one period that starts from states (n, N_STATE)."""
     state, blocks = _in_blocks(y), len(cycles.tables)
-    n, steps = cycles.n, cycles.steps
+    n, steps, setting = cycles.n, cycles.steps, cycles.setting
+    entries = N_ANY_MOTION if setting.axis == ANY else N_MOTION
     areas = np.zeros((blocks, 3 * LANES))
-    out = np.full((blocks, steps, (3 + N_MOTION + 1) * LANES), np.nan)
-    par = np.repeat(cycles.setting.parameters, LANES)
-    _look(state, cycles.tables, cycles.h, par, cycles.setting.axis, _scratch(), areas, out)
+    out = np.full((blocks, steps, (3 + entries + 2) * LANES), np.nan)
+    par = np.repeat(setting.parameters, LANES)
+    _look(
+        state, cycles.tables, cycles.h, par, setting.axis, setting.terrain,
+        scratch(setting.terrain), _scratch(), areas, out,
+    )  # fmt: skip
     flat = _history(out, n)
     return Seen(
         _out_of_blocks(state, n), _out_of_blocks(areas, n), flat[:, :, :3],
-        flat[:, :, 3 : 3 + N_MOTION], flat[:, :, -1],
+        flat[:, :, 3:-2], flat[:, :, -2], flat[:, :, -1],
     )  # fmt: skip
 
 
@@ -208,7 +222,7 @@ def _history(out: Array, n: int) -> Array:
 
 def _scratch() -> tuple[Array, ...]:
     slopes = np.zeros((N_STAGES, BLOCK))
-    return (slopes, *(np.zeros(n) for n in (BLOCK, BLOCK, 3 * LANES)), np.zeros(N_MOTION))
+    return (slopes, *(np.zeros(n) for n in (BLOCK, BLOCK, 3 * LANES)), np.zeros(N_ANY_MOTION))
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
@@ -221,36 +235,42 @@ def _tabulate(tree, gaits, turns, work, out):  # type: ignore[no-untyped-def]
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _carry(state, tables, h, chosen, periods, par, axis, scratch):  # type: ignore[no-untyped-def]
-    state, tables, h, par, scratch = (
-        borrowed(state), borrowed(tables), borrowed(h), borrowed(par), borrowed(scratch),
+def _carry(  # type: ignore[no-untyped-def]
+    state, tables, h, chosen, periods, par, axis, terrain, rolling, work
+):
+    state, tables, h, par, terrain, rolling, work = (
+        borrowed(state), borrowed(tables), borrowed(h), borrowed(par), borrowed(terrain),
+        borrowed(rolling), borrowed(work),
     )  # fmt: skip
-    slopes, total, work, areas, _ = scratch
+    slopes, total, other, areas, _ = work
     for b in range(len(state)):
         if not chosen[b]:
             continue
         y, table = state[b], tables[b]
         for _period in range(periods):
             for at in range(0, len(table) - 1, ROWS_PER_STEP):
-                step(y, table, at, h[b], par, axis, slopes, total, work, areas)
+                step(y, table, at, h[b], par, axis, slopes, total, other, areas, terrain, rolling)
 
 
 @njit(cache=True, nogil=True, error_model="numpy")
-def _look(state, tables, h, par, axis, scratch, areas, out):  # type: ignore[no-untyped-def]
-    state, tables, h, par, scratch, areas, out = (
-        borrowed(state), borrowed(tables), borrowed(h), borrowed(par), borrowed(scratch),
-        borrowed(areas), borrowed(out),
+def _look(  # type: ignore[no-untyped-def]
+    state, tables, h, par, axis, terrain, rolling, work, areas, out
+):
+    state, tables, h, par, terrain, rolling, work, areas, out = (
+        borrowed(state), borrowed(tables), borrowed(h), borrowed(par), borrowed(terrain),
+        borrowed(rolling), borrowed(work), borrowed(areas), borrowed(out),
     )  # fmt: skip
-    slopes, total, work, _, now = scratch
+    slopes, total, other, _, now = work
+    entries = out.shape[2] // LANES - 5
     before = np.empty(BLOCK)
-    turned = np.empty(3 * LANES)
+    turned = np.empty(BLOCK)
     for b in range(len(state)):
         y, table = state[b], tables[b]
         for n in range(out.shape[1]):
             for e in range(BLOCK):
                 before[e] = y[e]
             at = n * ROWS_PER_STEP
-            step(y, table, at, h[b], par, axis, slopes, total, work, areas[b])
+            step(y, table, at, h[b], par, axis, slopes, total, other, areas[b], terrain, rolling)
             angles(before, axis, turned)
             row = out[b, n]
             for e in range(3 * LANES):
@@ -262,6 +282,15 @@ def _look(state, tables, h, par, axis, scratch, areas, out):  # type: ignore[no-
                 continue
             for i in range(LANES):
                 motion_of(before, slopes, i, now)
-                for s in range(N_MOTION):
+                if axis == ANY:
+                    if i == 0:
+                        # The stages have gone over the scratch.
+                        evaluate_lanes(before, table, at, par, slopes, 0, terrain, rolling)
+                    contact_motion(terrain, rolling, i, now)
+                    row[(3 + entries) * LANES + i], row[(4 + entries) * LANES + i] = push(
+                        rolling, now, par, i
+                    )
+                else:
+                    row[(3 + entries) * LANES + i] = lift(now, table, at, i)
+                for s in range(entries):
                     row[(3 + s) * LANES + i] = now[s]
-                row[(3 + N_MOTION) * LANES + i] = lift(now, table, at, i)

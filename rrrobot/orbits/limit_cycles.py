@@ -232,7 +232,7 @@ def limit_cycle(
 def cycle_of(found: Found) -> LimitCycle:
     """The public view of what the engine found."""
     m, case = found.measures, found.case
-    angle, omega = found.sight.angles[0, 0], found.sight.motion[0, 0, 3:]
+    angle, omega = found.sight.angles[0, 0], found.sight.motion[0, 0, 3:6]
     rates = omega if case.model.name == "decoupled" else euler_rates(angle, omega)
     multipliers = np.linalg.eigvals(found.monodromy).astype(np.complex128)
     order = np.lexsort((-multipliers.imag, -np.abs(multipliers).round(12)))

@@ -30,7 +30,7 @@ from rrrobot.orbits.newton import (
 )
 from rrrobot.orbits.section import Section, section_of
 
-UNSTABLE, NO_ORBIT = 4, 5
+UNSTABLE, NO_ORBIT = 6, 7
 """Further reasons why a gait has no steady state: its orbit does not hold; none was found."""
 _FIRST = 48
 """Gaits that are solved from rest, at least, and the part of all that is:"""
@@ -110,6 +110,7 @@ def orbits_of(
         ModelError: nothing brakes the model.
     """
     section = section_of(setting, "swept")
+    steps *= setting.fineness
     parts = [
         _chunk(setting, section, _some(gaits, here), steps, _some(yaw, here), loads, stability)
         for here in np.array_split(

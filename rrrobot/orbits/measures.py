@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.momentum.kernels import DECOUPLED
+from rrrobot.momentum.kernels import ANY, DECOUPLED
 from rrrobot.momentum.returns import Cycles, Seen, seen
 
 _FINER = 8
@@ -52,7 +52,7 @@ def look(cycles: Cycles, y: Array, periods: int = 1) -> Seen:
     for _ in range(periods):
         parts.append(seen(cycles, state))
         state = parts[-1].end
-    joined = (np.concatenate([part[k] for part in parts], axis=1) for k in (2, 3, 4))
+    joined = (np.concatenate([part[k] for part in parts], axis=1) for k in (2, 3, 4, 5))
     return Seen(state, np.sum([part.areas for part in parts], axis=0), *joined)
 
 
@@ -84,8 +84,11 @@ def measures(cycles: Cycles, sight: Seen, periods: int = 1) -> Measures:
     else:
         value, slope = _interpolation(samples)
         pitch = np.abs(sight.motion[:, :, 0] @ value.T).max(axis=1)
-        least = (sight.lift @ slope.T).min(axis=1) * 2 * np.pi / period
-        force = setting.parameters[0] * setting.parameters[3] + least
+        rate = (sight.lift @ slope.T) * (2 * np.pi / period)[:, None]
+        if setting.axis == ANY:
+            force = (rate + sight.push @ value.T).min(axis=1)
+        else:
+            force = setting.parameters[0] * setting.parameters[3] + rate.min(axis=1)
     return Measures(
         np.hypot(step[:, 0], step[:, 1]), velocity, turn / period, np.hypot(sine, cosine),
         np.arctan2(cosine, sine), level, d, turn, pitch, force,

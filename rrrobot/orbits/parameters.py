@@ -2,7 +2,7 @@
 
 A gait's entries are `offset[0]`, `amplitude[1]`, `sine[0,1]` and so on; where all legs have the
 same, `offset` and `amplitude` stand for all. RRRobot's are those of `RRRobotParameters`; of other
-robots the shell's radius and each link's mass, its inertia growing with it.
+robots the radius of a spherical shell and each link's mass, its inertia growing with it.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import FourierGait, Gait, SinusoidalGait
 from rrrobot.errors import GroundClearanceWarning, ParameterError
+from rrrobot.momentum.kernels import ANY
 from rrrobot.orbits.found import Case, setting_for
 from rrrobot.robot.robot import Robot
 
@@ -186,8 +187,12 @@ def _of_any_robot(case: Case) -> list[Parameter]:
         name = "base" if i == 0 else robot.model.names[i + 1]
         return Parameter(f"mass[{name}]", "kg", float(tree.mass[i]), at)
 
+    masses = [mass_of(i) for i in range(tree.mass.size) if tree.mass[i] > 0]
+    if setting.axis == ANY:
+        # Of a shell that is no sphere about the pivot there is no one length.
+        return masses
     shell = Parameter("shell_radius", "m", float(setting.parameters[_RADII].max()), radius)
-    return [shell, *(mass_of(i) for i in range(tree.mass.size) if tree.mass[i] > 0)]
+    return [shell, *masses]
 
 
 def _of_setting(case: Case) -> list[Parameter]:

@@ -22,9 +22,10 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.errors import ModelError
-from rrrobot.momentum.kernels import DECOUPLED, N_STATE
+from rrrobot.momentum.kernels import ANY, DECOUPLED, N_STATE
 from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.returns import Cycles
+from rrrobot.momentum.terrain import FLAT, LEVEL
 
 _K = 4
 """Where the momentum stands in a state of the engine."""
@@ -83,9 +84,15 @@ def section_of(setting: Setting, name: str) -> Section:
     """The chart of a model in the engine's terms.
 
     Raises:
-        ModelError: nothing brakes what rolls or rocks: such a motion never settles.
+        ModelError: nothing brakes what rolls or rocks: such a motion never settles; or the ground
+            is not level.
     """
-    axis = setting.axis
+    axis, terrain = setting.axis, setting.terrain
+    if axis == ANY and (terrain.ground != LEVEL or terrain.shell == FLAT):
+        raise ModelError(
+            f"the {name} model is not on level ground: there heading and place change the motion, "
+            "so no cycle repeats up to a displacement. Give level ground, or simulate."
+        )
     losses = setting.parameters[4:7]
     rocking = {0: losses[:1], 1: losses[1:2], 2: np.ones(1), DECOUPLED: losses[:2]}
     free = rocking.get(axis, losses)
@@ -110,5 +117,7 @@ def section_of(setting: Setting, name: str) -> Section:
 def momentum_scale(cycles: Cycles) -> Array:
     """I omega of each gait (n,) [N m s]."""
     mass, radius = cycles.setting.parameters[:2]
+    if cycles.setting.axis == ANY:
+        radius = 0.0
     inertia = cycles.inertia() + mass * radius**2
     return np.asarray(inertia * 2 * np.pi / cycles.period)

@@ -110,7 +110,7 @@ def sweep(
         settle: "cycles": simulate `cycles` of each gait, as the paper does, and take what they
             have come to; "orbit": find its limit cycle (see `limit_cycle`), which needs no cycles
             and leaves no transient. A gait whose orbit of one period does not hold has the status
-            4, one without any 5. `variation` is then the orbit's residual, and `yaw_mean` that of
+            6, one without any 7. `variation` is then the orbit's residual, and `yaw_mean` that of
             a cycle that starts with yaw 0. Orbits start from their neighbours', so that the last
             bits of a result (1e-11) depend on the gaits beside it.
         progress: a bar on stderr with rate and time left (True), none (False), one if stderr is a

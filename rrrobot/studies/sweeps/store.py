@@ -34,8 +34,10 @@ STATUS = {
     1: "pitch_reached_90_degrees",
     2: "value_not_finite",
     3: "lifts_off",
-    4: "orbit_unstable",
-    5: "no_orbit_found",
+    4: "ground_ends",
+    5: "touches_twice",
+    6: "orbit_unstable",
+    7: "no_orbit_found",
 }
 """What the numbers of the variable `status` mean; results are NaN unless it is 0."""
 
