@@ -1,7 +1,7 @@
-"""Limit cycles of a plane of gaits beside 38 simulated cycles of each, and Kane's equations.
+"""Limit cycles of a plane of gaits beside 38 simulated cycles of each.
 
-Run with `python -m benchmarks.orbits`; writes benchmarks/results/orbits.json. Processor times of one
-process, the fastest of some runs.
+Run with `python -m benchmarks.orbits`; writes benchmarks/results/orbits.json. Processor times of
+one process, the fastest of some runs.
 """
 
 from __future__ import annotations

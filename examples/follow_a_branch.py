@@ -1,4 +1,4 @@
-"""Where does a symmetric gait stop going straight? Follow its limit cycle as the legs swing more."""
+"""Where does a symmetric gait stop going straight? Follow its cycle as the legs swing more."""
 
 from pathlib import Path
 

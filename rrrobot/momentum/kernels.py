@@ -281,7 +281,7 @@ def step(  # type: ignore[no-untyped-def]
         axis: -1 all axes; 0-2 that body axis only; 3 the three single-axis models; ANY.
         slopes: scratch (N_STAGES, BLOCK); its first row then holds the rates at the step's start.
         total, work: scratch (BLOCK,), (BLOCK,).
-        terrain, rolling: shell and ground, and scratch for them, where axis is ANY.
+        terrain, rolling: shell and ground, and scratch for them, where axis is ANY; else None.
     """
     for stage in range(N_STAGES + 1):
         if stage == 0:
@@ -296,13 +296,15 @@ def step(  # type: ignore[no-untyped-def]
             for e in range(3 * LANES):
                 areas[e] += b * h[e] * work[7 * LANES + e]
         row = at + _NODE[stage]
-        if axis == ANY:
-            rolling_rates(work, table, row, par, slopes, stage, terrain, rolling)
-        elif axis < 0:
-            _rates(work, table, row, par, slopes, stage)
-        elif axis < DECOUPLED:
-            _axis_rates(work, table, row, par, slopes, stage, axis)
+        # Numba leaves out the branch that the type of terrain rules out.
+        if terrain is None:
+            if axis < 0:
+                _rates(work, table, row, par, slopes, stage)
+            elif axis < DECOUPLED:
+                _axis_rates(work, table, row, par, slopes, stage, axis)
+            else:
+                _decoupled_rates(work, table, row, par, slopes, stage)
         else:
-            _decoupled_rates(work, table, row, par, slopes, stage)
+            rolling_rates(work, table, row, par, slopes, stage, terrain, rolling)
     for e in range(BLOCK):
         y[e] = work[e]

@@ -17,8 +17,10 @@ ROOM, DET = UP, UP + 1
 N_SCRATCH = UP + 2
 
 
-def scratch(terrain: Terrain) -> Array:
+def scratch(terrain: Terrain | None) -> Array:
     """Room for the evaluations of LANES lanes: entry r of lane i at r LANES + i."""
+    if terrain is None:
+        return np.zeros(0)
     top = int(terrain.degrees.max()) + 1
     series, graph = 20 + 3 * top, 37
     return np.zeros((N_SCRATCH + max(series, graph)) * LANES)

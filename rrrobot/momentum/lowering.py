@@ -41,17 +41,18 @@ class Setting(NamedTuple):
     for a body with any shell on any ground"""
     limit: float
     """of the sine of the pitch, where a lane stops; above 1 for models without a singularity"""
-    leg_damping: float
-    """of the leg joints [N m s/rad], which the motors overcome"""
-    terrain: Terrain
-    """the shell on the ground, where the axis is ANY"""
+    leg_loss: Array
+    """damping [N m s/rad] and friction [N m] of the leg joints (2, legs), motors overcome both"""
+    terrain: Terrain | None
+    """the shell on the ground, where the axis is ANY; else None, and the engine is compiled
+    without what it would need"""
     fineness: int
     """how many times the steps of a sphere the shell needs"""
 
     @property
     def periodic(self) -> bool:
         """Whether a settled motion repeats in the body's axes wherever it has come to."""
-        return self.axis != ANY or self.terrain.ground == LEVEL
+        return self.terrain is None or bool(self.terrain.ground == LEVEL)
 
 
 def lower(model: Model) -> Setting:
@@ -70,16 +71,17 @@ def lower(model: Model) -> Setting:
             f"{', '.join(kind.__name__ for kind in MODELS)}. Use method='kkt'."
         )
     limit = VERTICAL if model.singular_at_vertical else _ANY_PITCH
-    legs, losses = model.damping.leg_coefficient, _damping(model.damping)
+    joints, losses = robot.joints, _damping(model.damping)
+    legs = np.array((joints.damping + model.damping.leg_coefficient, joints.friction))
     frame = robot.shell_placement
-    terrain = terrain_of(shell, (frame.translation, frame.rotation), model.ground)
     level = type(model.ground) is Plane and model.ground.is_level
     if type(shell) is Sphere and level and shell.radius <= _LARGE:
         rolls, travels = model.rolling is not None, type(model) is not YawModel
         radii = (shell.radius * rolls, shell.radius * travels)
         axis = model.axes[0] if len(model.axes) == 1 else -1
         numbers = np.array((robot.mass, *radii, model.gravity, *losses))
-        return Setting(tree_of(robot), numbers, axis, limit, legs, terrain, 1)
+        return Setting(tree_of(robot), numbers, axis, limit, legs, None, 1)
+    terrain = terrain_of(shell, (frame.translation, frame.rotation), model.ground)
     numbers = np.array((robot.mass, 1.0, 0.0, model.gravity, *losses))
     tree = tree_of(robot, np.zeros(3))
     return Setting(tree, numbers, ANY, limit, legs, terrain, fineness(shell))
@@ -97,7 +99,8 @@ def decoupled_setting(
     first = lower(models[0])
     parameters = first.parameters.copy()
     parameters[4:7] = losses
-    return first._replace(parameters=parameters, axis=DECOUPLED, limit=_ANY_PITCH, leg_damping=0.0)
+    none = np.zeros_like(first.leg_loss)
+    return first._replace(parameters=parameters, axis=DECOUPLED, limit=_ANY_PITCH, leg_loss=none)
 
 
 def _damping(damping: Damping) -> tuple[float, float, float, float]:
