@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
@@ -23,14 +22,15 @@ from rrrobot.momentum.coefficients import (
     fill,
     lane_work,
 )
-from rrrobot.momentum.compiled import borrowed
+from rrrobot.momentum.compiled import borrowed, compiled
 from rrrobot.momentum.kernels import ANY, BLOCK, DECOUPLED, N_STAGES, N_STATE, step
 from rrrobot.momentum.lane import scratch
 from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.normal import N_ANY_MOTION, contact_motion, push
 from rrrobot.momentum.rolling import evaluate_lanes
-from rrrobot.momentum.settle import FourierGaits, tabulate
+from rrrobot.momentum.settle import tabulate
 from rrrobot.momentum.summary import N_MOTION, ROWS_PER_STEP, angles, lift, motion_of
+from rrrobot.momentum.work import FourierGaits
 
 _YAWS_OWN = (5, 14)
 """Coefficients that the yaw model alone takes, where it has a gait of its own."""
@@ -225,7 +225,7 @@ def _scratch() -> tuple[Array, ...]:
     return (slopes, *(np.zeros(n) for n in (BLOCK, BLOCK, 3 * LANES)), np.zeros(N_ANY_MOTION))
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _tabulate(tree, gaits, turns, work, out):  # type: ignore[no-untyped-def]
     tree, gaits, turns, work, out = (
         borrowed(tree), borrowed(gaits), borrowed(turns), borrowed(work), borrowed(out),
@@ -234,14 +234,16 @@ def _tabulate(tree, gaits, turns, work, out):  # type: ignore[no-untyped-def]
         tabulate(tree, gaits, b * LANES, turns, work, out[b])
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _carry(  # type: ignore[no-untyped-def]
     state, tables, h, chosen, periods, par, axis, terrain, rolling, work
 ):
-    state, tables, h, par, terrain, rolling, work = (
-        borrowed(state), borrowed(tables), borrowed(h), borrowed(par), borrowed(terrain),
-        borrowed(rolling), borrowed(work),
+    state, tables, h, par, rolling, work = (
+        borrowed(state), borrowed(tables), borrowed(h), borrowed(par), borrowed(rolling),
+        borrowed(work),
     )  # fmt: skip
+    if terrain is not None:
+        terrain = borrowed(terrain)
     slopes, total, other, areas, _ = work
     for b in range(len(state)):
         if not chosen[b]:
@@ -252,14 +254,16 @@ def _carry(  # type: ignore[no-untyped-def]
                 step(y, table, at, h[b], par, axis, slopes, total, other, areas, terrain, rolling)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _look(  # type: ignore[no-untyped-def]
     state, tables, h, par, axis, terrain, rolling, work, areas, out
 ):
-    state, tables, h, par, terrain, rolling, work, areas, out = (
-        borrowed(state), borrowed(tables), borrowed(h), borrowed(par), borrowed(terrain),
-        borrowed(rolling), borrowed(work), borrowed(areas), borrowed(out),
+    state, tables, h, par, rolling, work, areas, out = (
+        borrowed(state), borrowed(tables), borrowed(h), borrowed(par), borrowed(rolling),
+        borrowed(work), borrowed(areas), borrowed(out),
     )  # fmt: skip
+    if terrain is not None:
+        terrain = borrowed(terrain)
     slopes, total, other, _, now = work
     entries = out.shape[2] // LANES - 5
     before = np.empty(BLOCK)
@@ -282,7 +286,7 @@ def _look(  # type: ignore[no-untyped-def]
                 continue
             for i in range(LANES):
                 motion_of(before, slopes, i, now)
-                if axis == ANY:
+                if terrain is not None:
                     if i == 0:
                         # The stages have gone over the scratch.
                         evaluate_lanes(before, table, at, par, slopes, 0, terrain, rolling)

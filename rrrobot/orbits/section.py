@@ -88,7 +88,7 @@ def section_of(setting: Setting, name: str) -> Section:
             is not level.
     """
     axis, terrain = setting.axis, setting.terrain
-    if axis == ANY and (terrain.ground != LEVEL or terrain.shell == FLAT):
+    if terrain is not None and (terrain.ground != LEVEL or terrain.shell == FLAT):
         raise ModelError(
             f"the {name} model is not on level ground: there heading and place change the motion, "
             "so no cycle repeats up to a displacement. Give level ground, or simulate."
