@@ -22,7 +22,7 @@ from rrrobot.momentum.coefficients import (
     fill,
     lane_work,
 )
-from rrrobot.momentum.compiled import borrowed, compiled
+from rrrobot.momentum.compiled import borrowed, compiled, inner
 from rrrobot.momentum.kernels import ANY, BLOCK, DECOUPLED, N_STAGES, N_STATE, step
 from rrrobot.momentum.lane import scratch
 from rrrobot.momentum.lowering import Setting
@@ -284,17 +284,25 @@ def _look(  # type: ignore[no-untyped-def]
                     row[6 * LANES + i], row[7 * LANES + i] = slopes[0, i], slopes[0, LANES + i]
                     row[8 * LANES + i] = slopes[0, 9 * LANES + i]
                 continue
-            for i in range(LANES):
-                motion_of(before, slopes, i, now)
-                if terrain is not None:
-                    if i == 0:
-                        # The stages have gone over the scratch.
-                        evaluate_lanes(before, table, at, par, slopes, 0, terrain, rolling)
-                    contact_motion(terrain, rolling, i, now)
-                    row[(3 + entries) * LANES + i], row[(4 + entries) * LANES + i] = push(
-                        rolling, now, par, i
-                    )
-                else:
-                    row[(3 + entries) * LANES + i] = lift(now, table, at, i)
-                for s in range(entries):
-                    row[(3 + s) * LANES + i] = now[s]
+            _gather(before, table, at, par, slopes, terrain, rolling, now, entries, row)
+
+
+@inner
+def _gather(  # type: ignore[no-untyped-def]
+    y, table, at, par, slopes, terrain, rolling, now, entries, row
+):
+    """Motion and lift of every lane. Numba leaves out what an argument's type rules out."""
+    if terrain is not None:
+        # The stages have gone over the scratch.
+        evaluate_lanes(y, table, at, par, slopes, 0, terrain, rolling)
+    for i in range(LANES):
+        motion_of(y, slopes, i, now)
+        if terrain is not None:
+            contact_motion(terrain, rolling, i, now)
+            row[(3 + entries) * LANES + i], row[(4 + entries) * LANES + i] = push(
+                rolling, now, par, i
+            )
+        else:
+            row[(3 + entries) * LANES + i] = lift(now, table, at, i)
+        for s in range(entries):
+            row[(3 + s) * LANES + i] = now[s]
