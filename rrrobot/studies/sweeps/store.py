@@ -164,9 +164,19 @@ class ResultsFile:
         check_writable(self.path)
         try:
             self._stream = self.path.open("r+b", buffering=0)
-            self._begin = begins(self._stream)
         except OSError as error:
             raise self._failure(error) from error
+        try:
+            self._begin = begins(self._stream)
+            missing = {*layout.empty(virtual=True), _CHECKSUM} - self._begin.keys()
+            if missing:
+                raise ValueError(", ".join(sorted(missing)))
+        except (OSError, ValueError, KeyError, OverflowError) as error:
+            self._stream.close()
+            raise OutputError(
+                f"the head of {str(self.path)!r} is damaged ({type(error).__name__}). Name another "
+                "file, or begin anew with resume=False (--no-resume)."
+            ) from None
 
     def __enter__(self) -> ResultsFile:
         return self
