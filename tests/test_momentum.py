@@ -94,6 +94,7 @@ def test_simulate_by_momentum_equals_kkt(model, parameters):
         np.testing.assert_allclose(fast.leg_torque, kkt.leg_torque, atol=1e-9)
 
 
+@pytest.mark.filterwarnings("ignore::rrrobot.errors.GroundClearanceWarning")
 @pytest.mark.parametrize("seed", [8, 9])
 @pytest.mark.parametrize("damping", [rr.BodyRateDamping(0.3, 0.3, 0.3), 0.3])
 def test_random_trees_after_ten_seconds(seed, damping):

@@ -97,7 +97,8 @@ def test_forces_and_torques_equal_the_kkt_systems(make) -> None:
     expected = model.dynamics(place, quasi, motion)
     c = coefficients(robot, motion.angle[None], motion.rate[None])[0]
     signals, up = np.empty(n_signals(n, n + 1)), place.rotation[2].copy()
-    loads(setting.tree, up, model.body_velocity(place, quasi), c, np.array(motion),
+    turning = np.concatenate((up, model.body_velocity(place, quasi)))
+    loads(setting.tree, turning, c, np.array(motion),
           setting.parameters, setting.axis, bodies(n + 1), signals)  # fmt: skip
     force = place.rotation.T @ expected.contact_force
     assert signals[0] == pytest.approx(force @ up, rel=1e-10, abs=1e-12)
