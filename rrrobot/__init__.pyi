@@ -4,6 +4,7 @@ from rrrobot import drive as drive
 from rrrobot import errors as errors
 from rrrobot import figures as figures
 from rrrobot import kkt as kkt
+from rrrobot import machines as machines
 from rrrobot import models as models
 from rrrobot import orbits as orbits
 from rrrobot import paper as paper

@@ -1,0 +1,1 @@
+from rrrobot.machines.snakeboards import snakeboard as snakeboard
