@@ -1,1 +1,11 @@
+from rrrobot.machines.racers import roller_racer as roller_racer
+from rrrobot.machines.racers import trikke as trikke
+from rrrobot.machines.shells import ball_on_slope as ball_on_slope
+from rrrobot.machines.shells import chaplygin_sphere as chaplygin_sphere
+from rrrobot.machines.shells import rattleback as rattleback
+from rrrobot.machines.shells import rolling_disc as rolling_disc
+from rrrobot.machines.shells import routh_sphere as routh_sphere
+from rrrobot.machines.shells import turntable_ball as turntable_ball
+from rrrobot.machines.sleighs import chaplygin_sleigh as chaplygin_sleigh
 from rrrobot.machines.snakeboards import snakeboard as snakeboard
+from rrrobot.machines.snakes import kinematic_snake as kinematic_snake
