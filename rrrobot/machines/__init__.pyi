@@ -1,5 +1,15 @@
+from rrrobot.machines.driven import pendulum_ball as pendulum_ball
+from rrrobot.machines.driven import rotor_ball as rotor_ball
+from rrrobot.machines.driven import sphericle as sphericle
+from rrrobot.machines.history import History as History
+from rrrobot.machines.machine import Evaluation as Evaluation
+from rrrobot.machines.machine import Machine as Machine
+from rrrobot.machines.mechanism import Mechanism as Mechanism
 from rrrobot.machines.racers import roller_racer as roller_racer
 from rrrobot.machines.racers import trikke as trikke
+from rrrobot.machines.satellites import falling_cat as falling_cat
+from rrrobot.machines.satellites import legged_satellite as legged_satellite
+from rrrobot.machines.satellites import satellite as satellite
 from rrrobot.machines.shells import ball_on_slope as ball_on_slope
 from rrrobot.machines.shells import chaplygin_sphere as chaplygin_sphere
 from rrrobot.machines.shells import rattleback as rattleback
@@ -9,3 +19,7 @@ from rrrobot.machines.shells import turntable_ball as turntable_ball
 from rrrobot.machines.sleighs import chaplygin_sleigh as chaplygin_sleigh
 from rrrobot.machines.snakeboards import snakeboard as snakeboard
 from rrrobot.machines.snakes import kinematic_snake as kinematic_snake
+from rrrobot.machines.submarines import submarine as submarine
+from rrrobot.machines.tree import Joint as Joint
+from rrrobot.machines.tree import Link as Link
+from rrrobot.machines.tree import Tree as Tree
