@@ -1,7 +1,11 @@
+from rrrobot.machines.catalog import MACHINES as MACHINES
+from rrrobot.machines.catalog import by_name as by_name
 from rrrobot.machines.driven import pendulum_ball as pendulum_ball
 from rrrobot.machines.driven import rotor_ball as rotor_ball
 from rrrobot.machines.driven import sphericle as sphericle
 from rrrobot.machines.history import History as History
+from rrrobot.machines.legged import legged_satellite as legged_satellite
+from rrrobot.machines.legged import rrrobot as rrrobot
 from rrrobot.machines.machine import Evaluation as Evaluation
 from rrrobot.machines.machine import Machine as Machine
 from rrrobot.machines.mechanism import Mechanism as Mechanism
@@ -10,7 +14,6 @@ from rrrobot.machines.racers import trikke as trikke
 from rrrobot.machines.reduced import LocalForm as LocalForm
 from rrrobot.machines.reduced import Reduction as Reduction
 from rrrobot.machines.satellites import falling_cat as falling_cat
-from rrrobot.machines.satellites import legged_satellite as legged_satellite
 from rrrobot.machines.satellites import satellite as satellite
 from rrrobot.machines.shells import ball_on_slope as ball_on_slope
 from rrrobot.machines.shells import chaplygin_sphere as chaplygin_sphere

@@ -66,11 +66,7 @@ class Reduction:
 
     def __init__(self, machine: Machine) -> None:
         model = machine.model
-        fixed = model.planar or (
-            model.rolling is None
-            and not (model.model.gravity.linear.any() and _has_height(machine))
-        )
-        if not fixed or not model.motors:
+        if model.rolling is not None or not model.motors or _weighs(machine):
             raise ModelError(
                 f"the {machine.name}'s equations change with its pose (gravity, or rolling on the "
                 "ground), or it has no motors: it has no connection over its shape. Simulate it."
@@ -256,7 +252,12 @@ def bracket(a: Array, b: Array) -> Array:
     return np.asarray(pin.Motion(a).cross(pin.Motion(b)).vector)
 
 
-def _has_height(machine: Machine) -> bool:
-    fluid = machine.model.fluid
-    total = pin.computeTotalMass(machine.model.model) * 9.81
-    return fluid is None or abs(fluid.buoyancy - total) > 1e-9 * total
+def _weighs(machine: Machine) -> bool:
+    """Whether weight and buoyancy act on the base of a machine that leans."""
+    model = machine.model
+    z = model.start(None, np.full(len(model.motors), 0.3))
+    if not model.planar:
+        z[3:7] = (0.2, -0.3, 0.1, 0.927361849549570)
+    load = model.applied(model.coordinates.to_q(z), np.zeros(model.model.nv), None)
+    weight = pin.computeTotalMass(model.model) * float(np.abs(model.model.gravity.linear[2]))
+    return bool(np.abs(load[: model.n_base]).max() > 1e-9 * weight)

@@ -1,4 +1,4 @@
-"""Bodies afloat: planar three-link satellite, satellite with two legs, falling cat."""
+"""Bodies afloat: the planar three-link satellite and the falling cat."""
 
 from __future__ import annotations
 
@@ -7,11 +7,10 @@ from math import pi
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rrrobot.drive.gaits import CallableGait, SinusoidalGait, gait
+from rrrobot.drive.gaits import CallableGait, SinusoidalGait
 from rrrobot.machines.machine import Machine
 from rrrobot.machines.mechanism import Mechanism
 from rrrobot.machines.tree import Joint, Link, Tree, flat
-from rrrobot.robot.parameters import RRRobotParameters
 
 
 def satellite(
@@ -60,36 +59,6 @@ def satellite(
         model=Mechanism(tree.model(0.0), motors=("arm_1", "arm_2")),
         gaits={"circle": swing},
         shape=(0.8, -0.6),
-    )
-
-
-def legged_satellite(parameters: RRRobotParameters | None = None) -> Machine:
-    """RRRobot afloat: a shell whose two legs turn it, momentum zero; the paper's gaits.
-
-    Args:
-        parameters: Table 2 unless given.
-
-    Example:
-        >>> import rrrobot as rr
-        >>> rr.machines.legged_satellite().model.motors
-        ('leg_1', 'leg_2')
-    """
-    p = parameters or RRRobotParameters()
-    parts = [(p.battery_mass, (0.0, 0.0, -p.shell_radius))]
-    hips = (-p.hip_offset, p.hip_offset)
-    parts += [(m, (0.0, y, 0.0)) for m, y in zip(p.servo_masses, hips, strict=True)]
-    legs = [
-        Joint(f"leg_{i + 1}", "shell", Link(f"tip_{i + 1}", m, 0.0, (l, 0, 0)), (0, y, 0), "-y")
-        for i, (m, l, y) in enumerate(zip(p.leg_masses, p.leg_lengths, hips, strict=True))
-    ]
-    tree = Tree(_of_points("shell", parts), legs)
-    return Machine(
-        name="legged_satellite",
-        title="satellite with two legs: RRRobot afloat",
-        tree=tree,
-        model=Mechanism(tree.model(0.0), motors=("leg_1", "leg_2")),
-        gaits={name: gait(name) for name in ("circular", "lateral")},
-        shape=(pi / 4, pi / 4),
     )
 
 
@@ -148,15 +117,3 @@ def falling_cat(
         gaits={"roll": CallableGait(roll, n_legs=3, name="roll", check_span=(0.0, 3.0))},
         shape=(0.0, 0.0, 0.0),
     )
-
-
-def _of_points(name: str, parts: list[tuple[float, tuple[float, float, float]]]) -> Link:
-    """A link of point masses."""
-    masses = np.array([m for m, _ in parts])
-    places = np.array([x for _, x in parts])
-    centre = masses @ places / masses.sum()
-    apart = places - centre
-    inertia = sum(
-        m * (x @ x * np.eye(3) - np.outer(x, x)) for m, x in zip(masses, apart, strict=True)
-    )
-    return Link(name, float(masses.sum()), inertia, centre)
