@@ -18,7 +18,11 @@ from rrrobot import view as view
 from rrrobot.constraints import contact_drift as contact_drift
 from rrrobot.constraints import contact_jacobian as contact_jacobian
 from rrrobot.constraints import contact_point as contact_point
+from rrrobot.contact.boulder import Boulder as Boulder
+from rrrobot.contact.graph import Graph as Graph
 from rrrobot.contact.ground import Plane as Plane
+from rrrobot.contact.shells import EllipsoidSum as EllipsoidSum
+from rrrobot.contact.shells import FlatBelly as FlatBelly
 from rrrobot.contact.surfaces import Ellipsoid as Ellipsoid
 from rrrobot.contact.surfaces import Sphere as Sphere
 from rrrobot.contact.surfaces import Surface as Surface

@@ -26,7 +26,8 @@ from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, vector
 from rrrobot.constraints import Constraint, Instant, PrescribedJoints, RollingContact
-from rrrobot.contact.ground import Ground, Plane, ground_from_dict
+from rrrobot.contact.ground import Ground, Plane
+from rrrobot.contact.saved import ground_from_dict
 from rrrobot.drive.damping import (
     Damping,
     DampingLike,
@@ -210,7 +211,7 @@ class Model(ABC):
         imposed = self.constraints if leg is None else (*self.constraints, self._prescribed)
         if self.constraints:
             pin.forwardKinematics(self.model, self.data, q, v, self._still)
-        at = Instant(self.data, q, v, time, leg)
+        at = Instant(self.data, q, v, time, leg, place.contact)
         rows = [constraint.rows(at) for constraint in imposed]
         acceleration, multipliers = kkt_solve(kkt_build(mass, bias, tau, *rows))
         forces: dict[str, Array] = {}
@@ -219,8 +220,7 @@ class Model(ABC):
             last = first + row.drift.size
             forces[constraint.name] = constraint.force(multipliers[first:last])
             first = last
-        contact = self.rolling
-        if contact is not None and contact.is_whole:
+        if (contact := self.rolling) is not None and contact.is_whole:
             force = forces[contact.name]
         else:
             force = self.support_force(q, v, acceleration)

@@ -1,6 +1,6 @@
 """How the legs enter: fifteen numbers, functions of (phi, phi_dot), for any tree of joints.
 
-About the shell's centre, in the base's axes, with the sums over all bodies of the robot and u their
+About one point of the base, in its axes, with the sums over all bodies of the robot and u their
 velocities relative to the base,
 
     mc    = sum of m c                      first moment of mass (3)
@@ -58,8 +58,14 @@ class Tree(NamedTuple):
     """whether that is zero (n,)"""
 
 
-def tree_of(robot: Robot) -> Tree:
-    """Arrays of a robot's Pinocchio model; positions are relative to the shell's centre."""
+def tree_of(robot: Robot, origin: Array | None = None) -> Tree:
+    """Arrays of a robot's Pinocchio model.
+
+    Args:
+        robot: any robot.
+        origin: of the base's positions, in the base's frame (3,) [m]; the shell's centre if None.
+    """
+    about = robot.shell_placement.translation if origin is None else origin
     model, data = robot.model, robot.model.createData()
     pin.forwardKinematics(model, data, pin.neutral(model), np.zeros(model.nv))
     n = model.njoints - 1
@@ -81,7 +87,7 @@ def tree_of(robot: Robot) -> Tree:
         tree.mass[i], tree.lever[i], tree.inertia[i] = body.mass, body.lever, body.inertia
         tree.point[i] = not np.any(tree.inertia[i])
         if i == 0:
-            tree.translation[0] = -robot.shell_placement.translation
+            tree.translation[0] = -about
             continue
         placement = model.jointPlacements[joint]
         tree.parent[i] = model.parents[joint] - 1

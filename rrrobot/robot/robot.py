@@ -12,7 +12,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite, vector
-from rrrobot.contact.surfaces import SHELL_FRAME, Sphere, Surface, surface_from_dict
+from rrrobot.contact.convexity import check_convex
+from rrrobot.contact.saved import surface_from_dict
+from rrrobot.contact.surfaces import SHELL_FRAME, Sphere, Surface
 from rrrobot.errors import ShellError, UrdfError
 from rrrobot.inline import html_table
 from rrrobot.robot.examples import example_urdf
@@ -20,7 +22,10 @@ from rrrobot.robot.joints import build_model, check_masses, movable_joints
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.reader import parse_urdf, read_urdf, root_link
 from rrrobot.robot.urdf import LEGS, rrrobot_urdf
+from rrrobot.rotations import rotation_from_euler
 
+_OWN_SHELLS = ("rrrobot.contact.surfaces", "rrrobot.contact.shells")
+"""Shells that are convex by construction; any other is checked."""
 STANDARD_GRAVITY = 9.81
 """g where neither a ground nor a robot's parameters say otherwise [m/s^2]."""
 
@@ -38,7 +43,8 @@ class Robot:
         shell: the round surface, in the frame `SHELL_FRAME`.
         legs: joint names of the legs; every leg array in this package has this order.
         shell_link: link that carries the shell; rigidly fixed to the root link.
-        shell_center: shell's centre in the frame of `shell_link` (3,) [m].
+        shell_center: origin of the shell's frame in that of `shell_link` (3,) [m].
+        shell_rpy: roll, pitch, yaw of the shell's frame in that of `shell_link` (3,) [rad].
         locked: positions of the joints that are not legs, held still [rad or m].
         parameters: what `from_parameters` made it from; None for any other robot. Models take its
             gravity and damping unless told otherwise.
@@ -58,6 +64,7 @@ class Robot:
     legs: tuple[str, ...]
     shell_link: str
     shell_center: Array
+    shell_rpy: Array = field(default_factory=lambda: np.zeros(3))
     locked: Mapping[str, float] = field(default_factory=dict)
     parameters: RRRobotParameters | None = None
     package_dirs: tuple[str, ...] = ()
@@ -70,9 +77,12 @@ class Robot:
             raise ShellError(
                 f"shell is {self.shell!r}: it must be a surface, such as Sphere(radius=0.12)."
             )
+        if type(self.shell).__module__ not in _OWN_SHELLS:
+            check_convex(self.shell)
         set_field = object.__setattr__
-        set_field(self, "shell_center", vector("shell_center", self.shell_center, 3, "m"))
-        self.shell_center.flags.writeable = False
+        for name, unit in (("shell_center", "m"), ("shell_rpy", "rad")):
+            set_field(self, name, vector(name, getattr(self, name), 3, unit))
+            getattr(self, name).flags.writeable = False
         model = build_model(self.urdf, pin.JointModelFreeFlyer(), self.legs, self.locked)
         model.gravity.linear = np.array((0.0, 0.0, -self.gravity))
         set_field(self, "name", model.name)
@@ -103,6 +113,7 @@ class Robot:
         locked: Mapping[str, float] | None = None,
         shell_link: str | None = None,
         shell_center: ArrayLike = (0.0, 0.0, 0.0),
+        shell_rpy: ArrayLike = (0.0, 0.0, 0.0),
         package_dirs: Sequence[str | Path] = (),
     ) -> Robot:
         """Any URDF robot that rolls on a round belly.
@@ -115,7 +126,8 @@ class Robot:
                 `locked` position.
             locked: joint name -> position of held joints [rad or m]; 0 where it is not named.
             shell_link: link that carries the shell; the root link unless given.
-            shell_center: centre of the shell in that link's frame (3,) [m].
+            shell_center: origin of the shell's frame, its centre, in that link's (3,) [m].
+            shell_rpy: roll, pitch, yaw of the shell's frame in that link's, as a URDF's (3,) [rad].
             package_dirs: folders for `package://` mesh names.
 
         Raises:
@@ -149,6 +161,7 @@ class Robot:
             legs=chosen,
             shell_link=shell_link or root_link(parse_urdf(text)),
             shell_center=vector("shell_center", shell_center, 3, "m"),
+            shell_rpy=vector("shell_rpy", shell_rpy, 3, "rad"),
             locked=held,
             package_dirs=tuple(str(folder) for folder in package_dirs),
         )
@@ -192,6 +205,7 @@ class Robot:
             "legs": list(self.legs),
             "shell_link": self.shell_link,
             "shell_center": self.shell_center.tolist(),
+            "shell_rpy": self.shell_rpy.tolist(),
             "locked": dict(self.locked),
             "parameters": None if self.parameters is None else self.parameters.to_dict(),
             "package_dirs": list(self.package_dirs),
@@ -270,6 +284,6 @@ def _add_shell_frame(model: pin.Model, robot: Robot) -> pin.SE3:
             f"link {robot.shell_link!r} moves with joint {model.names[link.parentJoint]!r}: the "
             "shell must be fixed to the root link. Lock that joint or name another link."
         )
-    placement = link.placement * pin.SE3(np.eye(3), robot.shell_center)
+    placement = link.placement * pin.SE3(rotation_from_euler(robot.shell_rpy), robot.shell_center)
     model.addFrame(pin.Frame(SHELL_FRAME, 1, placement, pin.FrameType.OP_FRAME))
     return placement

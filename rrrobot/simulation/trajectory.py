@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.contact.ground import Ground, ground_from_dict, normals
+from rrrobot.contact.ground import Ground, normals
+from rrrobot.contact.saved import ground_from_dict
 from rrrobot.errors import ModelError, OutputError
 from rrrobot.files import write_whole
 from rrrobot.inline import html_table

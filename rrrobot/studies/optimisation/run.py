@@ -44,7 +44,7 @@ def optimise(
     """The best gait for a goal, within bounds and limits.
 
     Args:
-        model: `FullModel` or `PivotingModel` of a robot with a spherical shell on level ground.
+        model: `FullModel` of any shell and ground that the engine knows, or `PivotingModel`.
         goal: "fastest", "tightest", "efficient", or a `FastestTravel`, `TightestTurn`,
             `LeastEffort` or `TargetMotion`.
         offset, amplitude: a number, which is kept; bounds (low, high) for all legs; or bounds

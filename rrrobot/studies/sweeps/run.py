@@ -86,7 +86,7 @@ def sweep(
         angular_frequency: of all legs [rad/s]; 8 unless given.
         yaw_amplitude: of the legs in the yaw model alone of `DecoupledModels`, the paper's Fig 20
             [rad]: a number, or a DataArray over some of the gaits' dimensions, such as
-            `figures.maps.amplitude_modulation` gives; where it is NaN, as the other models'.
+            `rr.studies.amplitude_modulation` gives; where it is NaN, as the other models'.
         points: gaits instead of a grid: `SinusoidalGait`s, or a mapping from the names above to
             arrays (n,) or, one column a leg, (n, legs). What it does not name may still be a grid.
         parameters: grids of `RRRobotParameters` by name, for the model of a robot that

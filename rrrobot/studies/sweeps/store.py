@@ -34,6 +34,8 @@ STATUS = {
     1: "pitch_reached_90_degrees",
     2: "value_not_finite",
     3: "lifts_off",
+    4: "ground_ends",
+    5: "touches_twice",
 }
 """What the numbers of the variable `status` mean; results are NaN unless it is 0."""
 
