@@ -96,6 +96,4 @@ def test_a_small_loop_moves_by_the_curvature():
     loop = rr.SinusoidalGait(offset=centre, amplitude=size, angular_frequency=1.0,
                              phase=(np.pi / 2, 0.0))  # fmt: skip
     moved = snake.line(loop)
-    np.testing.assert_allclose(
-        moved / (-np.pi * size**2), snake.curvature(centre), atol=3 * size
-    )
+    np.testing.assert_allclose(moved / (-np.pi * size**2), snake.curvature(centre), atol=3 * size)

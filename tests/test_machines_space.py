@@ -163,7 +163,11 @@ def test_chaplygin_sphere():
     assert np.abs(t.energy / t.energy[0] - 1).max() < 1e-10
     assert t.violation.max() < 1e-12
     close(t.pose[5, :2], (-1.943051188, -2.825175732))
-    close(matrix(t.quaternion[5]) @ t.body_velocity[5, 3:], (3.059403405, -1.981294706, 3.9005275), rtol=1e-8)
+    close(
+        matrix(t.quaternion[5]) @ t.body_velocity[5, 3:],
+        (3.059403405, -1.981294706, 3.9005275),
+        rtol=1e-8,
+    )
 
 
 def test_routh_sphere_keeps_jellett_and_routh():
@@ -182,7 +186,11 @@ def test_routh_sphere_keeps_jellett_and_routh():
         K = np.array((A, A, C)) * w + m * np.cross(rc, np.cross(w, -rc)) * -1
         jellett.append(K @ -rc)
         routh.append(w[2] * np.sqrt(A * C + m * (A * (rc[0] ** 2 + rc[1] ** 2) + C * rc[2] ** 2)))
-    for values, wanted in ((t.energy, 1.808802837), (jellett, 0.01411441433), (routh, 0.1317305769)):
+    for values, wanted in (
+        (t.energy, 1.808802837),
+        (jellett, 0.01411441433),
+        (routh, 0.1317305769),
+    ):
         values = np.array(values)
         assert values[0] == pytest.approx(wanted, rel=1e-9)
         assert np.abs(values / values[0] - 1).max() < 1e-10
@@ -283,9 +291,9 @@ def test_the_cat_turns_over(beta, turn):
         # About its spine, the x axis, which comes back.
         np.testing.assert_allclose(R[:, 0], (1, 0, 0), atol=1e-9)
         angle = np.arctan2(R[2, 1], R[1, 1])
-        assert np.cos(angle - turn) == pytest.approx(1, abs=1e-15) or abs(
-            abs(angle) - turn
-        ) < 1e-8  # either sense of the roll
+        assert (
+            np.cos(angle - turn) == pytest.approx(1, abs=1e-15) or abs(abs(angle) - turn) < 1e-8
+        )  # either sense of the roll
 
 
 def submarine_state():

@@ -15,6 +15,7 @@ import click
 
 from rrrobot.cli.compare import compare_command, periods
 from rrrobot.cli.gait import gait_command
+from rrrobot.cli.machines import machines
 from rrrobot.cli.optimise import optimise_command
 from rrrobot.cli.reduce import reduce_command
 from rrrobot.cli.reproduce import reproduce_command
@@ -70,6 +71,7 @@ for _command in (
     reproduce_command,
     optimise_command,
     gait_command,
+    machines,
     view,
     robots,
 ):

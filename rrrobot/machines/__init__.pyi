@@ -1,4 +1,4 @@
-from rrrobot.machines.catalog import MACHINES as MACHINES
+from rrrobot.machines.catalog import all_names as all_names
 from rrrobot.machines.catalog import by_name as by_name
 from rrrobot.machines.driven import pendulum_ball as pendulum_ball
 from rrrobot.machines.driven import rotor_ball as rotor_ball

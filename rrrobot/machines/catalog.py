@@ -34,6 +34,17 @@ MACHINES: dict[str, Callable[..., Machine]] = {
 """Each machine's function by its name."""
 
 
+def all_names() -> tuple[str, ...]:
+    """Names of all machines.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> "rattleback" in rr.machines.all_names()
+        True
+    """
+    return tuple(MACHINES)
+
+
 def by_name(name: str, **parameters: float) -> Machine:
     """A machine by its name.
 

@@ -70,7 +70,11 @@ def pendulum_ball(
 
 
 def rotor_ball(
-    *, m: float = 1.0, r: float = 0.15, I: float = 0.009, Jr: float = 8e-4  # noqa: E741
+    *,
+    m: float = 1.0,
+    r: float = 0.15,
+    I: float = 0.009,
+    Jr: float = 8e-4,  # noqa: E741
 ) -> Machine:
     """A balanced ball with three rotors on axes through its centre (Bhattacharya, Agrawal).
 

@@ -42,9 +42,7 @@ class Fluid:
     buoyancy: float = 0.0
 
     @classmethod
-    def of_ellipsoid(
-        cls, semi_axes: ArrayLike, *, density: float, buoyancy: float = 0.0
-    ) -> Fluid:
+    def of_ellipsoid(cls, semi_axes: ArrayLike, *, density: float, buoyancy: float = 0.0) -> Fluid:
         """Of an ellipsoid with semi-axes (a, b, c) [m] in a fluid of a density [kg/m^3]."""
         from scipy.special import elliprd
 
@@ -67,9 +65,7 @@ class Fluid:
             apart, sum_ = squares[j] - squares[k], squares[j] + squares[k]
             twist = alpha[k] - alpha[j]
             if apart != 0:
-                inertia[i] = (
-                    density * volume / 5 * apart**2 * twist / (2 * apart - sum_ * twist)
-                )
+                inertia[i] = density * volume / 5 * apart**2 * twist / (2 * apart - sum_ * twist)
         return cls(mass, inertia, buoyancy)
 
     @property

@@ -269,4 +269,3 @@ class Machine:
                 )
             return model.velocity(z, first, known)
         return model.velocity(z, first, known | self._known(given))
-

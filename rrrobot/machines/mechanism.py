@@ -139,9 +139,7 @@ class Mechanism:
         """Of all rows."""
         return [c.name for c in self.imposed(motion) for _ in range(c.holonomic.size)]
 
-    def rows(
-        self, q: Array, v: Array, time: float, motion: LegMotion | None
-    ) -> ConstraintRows:
+    def rows(self, q: Array, v: Array, time: float, motion: LegMotion | None) -> ConstraintRows:
         """The rows of all constraints at a state."""
         pin.forwardKinematics(self.model, self.data, q, v, self._still)
         at = Instant(self.data, q, v, time, motion)

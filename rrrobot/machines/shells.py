@@ -78,9 +78,7 @@ def rolling_disc(
     )
 
 
-def ball_on_slope(
-    *, m: float = 1.0, r: float = 0.1, slope: float = 0.3, k: float = 0.4
-) -> Machine:
+def ball_on_slope(*, m: float = 1.0, r: float = 0.1, slope: float = 0.3, k: float = 0.4) -> Machine:
     """A ball of inertia k m r^2 on a slope [rad]: it rolls down x with g sin(slope) / (1 + k).
 
     Example:
@@ -93,9 +91,7 @@ def ball_on_slope(
     return roller("ball_on_slope", "ball on a slope: 5/7 g sin", Sphere(r), link, slope=slope)
 
 
-def turntable_ball(
-    *, m: float = 1.0, r: float = 0.1, rate: float = 2.0, k: float = 0.4
-) -> Machine:
+def turntable_ball(*, m: float = 1.0, r: float = 0.1, rate: float = 2.0, k: float = 0.4) -> Machine:
     """A ball of inertia k m r^2 on a turntable [rad/s]: it circles once in (1 + k) / k turns.
 
     Example:
@@ -110,7 +106,10 @@ def turntable_ball(
 
 
 def chaplygin_sphere(
-    *, m: float = 1.0, r: float = 0.2, I: ArrayLike = (0.010, 0.014, 0.018)  # noqa: E741
+    *,
+    m: float = 1.0,
+    r: float = 0.2,
+    I: ArrayLike = (0.010, 0.014, 0.018),  # noqa: E741
 ) -> Machine:
     """A balanced ball of three unlike inertias: its momentum about the contact is constant.
 
