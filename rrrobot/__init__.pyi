@@ -10,8 +10,8 @@ from rrrobot import orbits as orbits
 from rrrobot import paper as paper
 from rrrobot import reduction as reduction
 from rrrobot import robot as robot
-from rrrobot import rows as rows
 from rrrobot import rotations as rotations
+from rrrobot import rows as rows
 from rrrobot import simulation as simulation
 from rrrobot import steering as steering
 from rrrobot import studies as studies

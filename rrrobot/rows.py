@@ -147,8 +147,10 @@ class RollingOnTurntable(RollingContact):
         place = at.data.oMf[self.frame_id]
         spatial = pin.computeFrameJacobian(self.model, at.data, at.q, self.frame_id, _WORLD)
         velocity = spatial @ at.v
-        arm = self.surface.arm(place.rotation, n)
-        arm_rate = self.surface.arm_rate(place.rotation, velocity[3:], n)
+        u, w = -place.rotation.T @ n, skew(place.rotation.T @ velocity[3:])
+        contact = self.surface.contact(u)
+        arm = place.rotation @ contact
+        arm_rate = place.rotation @ (w @ contact - self.surface.hessian(u) @ (w @ u))
         carried = self._axes @ self._spin @ (place.translation + arm)
         carried_rate = self._axes @ self._spin @ (velocity[:3] + arm_rate)
         return ConstraintRows(jacobian, drift - carried_rate, slip - carried)
@@ -306,7 +308,7 @@ class RollingOnBody(Constraint):
         d = apart / length
         speed = (jacobians[1] - jacobians[0])[:3] @ at.v
         d_rate = (speed - d * (d @ speed)) / length
-        jacobian, drift = np.zeros((3, model.nv)), np.zeros(3)
+        jacobian, drift = np.zeros((3, at.v.size)), np.zeros(3)
         levers = (self.radii[0], self._sign * self.radii[1])
         for j, a, lever, sign in zip(jacobians, drifts, levers, (-1.0, 1.0), strict=True):
             arm, omega = skew(lever * d), j[3:] @ at.v

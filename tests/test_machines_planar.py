@@ -81,7 +81,7 @@ def test_snakeboard_gains_a_bessel_function_of_momentum_per_cycle():
     board = rr.machines.snakeboard(J=0.1654)
     for cycles in (1, 3):
         t = board.simulate(board.gaits["drive"], 2 * np.pi * cycles, sample_interval=1.0)
-        # p = b . mu with b = (2 l, 0, 0) at straight axles, in the closed form's scale b = (1, 0, 0)
+        # p = b . mu with the closed form's b, which is (1, 0, 0) at straight axles.
         z, v = board.model.split(t.states[-1])
         p = board.model.mass_matrix(board.model.coordinates.to_q(z))[0] @ v
         gain = 2 * np.pi * (0.072 / 0.2) * 0.7 * j1(0.3)
@@ -266,7 +266,7 @@ def test_bad_machines_and_starts_are_refused():
         rr.machines.snakeboard(m_truck=1.0)
     with pytest.raises(rr.ParameterError, match="no moment may be below zero"):
         rr.machines.chaplygin_sleigh(I=-1.0)
-    with pytest.raises(rr.ConstraintError, match="break the constraint 'blade' by 0.1"):
+    with pytest.raises(rr.ConstraintError, match=r"break the constraint 'blade' by 0\.1"):
         rr.machines.chaplygin_sleigh().evaluate(body_velocity=(0.4, 0.1, 0.0))
     board = rr.machines.snakeboard()
     with pytest.raises(rr.GaitError, match="moves 2 joints, but the machine has 3"):

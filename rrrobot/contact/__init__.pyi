@@ -1,8 +1,8 @@
 from rrrobot.contact.boulder import Boulder as Boulder
 from rrrobot.contact.convexity import check_convex as check_convex
 from rrrobot.contact.convexity import radii_range as radii_range
-from rrrobot.contact.graph import Graph as Graph
 from rrrobot.contact.discs import Torus as Torus
+from rrrobot.contact.graph import Graph as Graph
 from rrrobot.contact.ground import Ground as Ground
 from rrrobot.contact.ground import Plane as Plane
 from rrrobot.contact.kinematics import contact_path as contact_path

@@ -73,8 +73,8 @@ def rotor_ball(
     *,
     m: float = 1.0,
     r: float = 0.15,
-    I: float = 0.009,
-    Jr: float = 8e-4,  # noqa: E741
+    I: float = 0.009,  # noqa: E741
+    Jr: float = 8e-4,
 ) -> Machine:
     """A balanced ball with three rotors on axes through its centre (Bhattacharya, Agrawal).
 

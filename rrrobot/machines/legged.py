@@ -73,8 +73,10 @@ def _tree(p: RRRobotParameters) -> Tree:
     hips = (-p.hip_offset, p.hip_offset)
     parts += [(m, (0.0, y, 0.0)) for m, y in zip(p.servo_masses, hips, strict=True)]
     legs = [
-        Joint(f"leg_{i + 1}", "shell", Link(f"tip_{i + 1}", m, 0.0, (l, 0, 0)), (0, y, 0), "-y")
-        for i, (m, l, y) in enumerate(zip(p.leg_masses, p.leg_lengths, hips, strict=True))
+        Joint(
+            f"leg_{i + 1}", "shell", Link(f"tip_{i + 1}", m, 0.0, (length, 0, 0)), (0, y, 0), "-y"
+        )
+        for i, (m, length, y) in enumerate(zip(p.leg_masses, p.leg_lengths, hips, strict=True))
     ]
     return Tree(_of_points("shell", parts), legs)
 

@@ -191,8 +191,7 @@ class Machine:
             SimulationError: it had to stop, as at a singular shape: `trajectory` holds the rest.
         """
         model = self.model
-        gait = drive if isinstance(drive, Gait) else None
-        law = None if gait is not None else drive
+        gait, law = (drive, None) if isinstance(drive, Gait) else (None, drive)
         if gait is not None:
             model.check_shape(gait.n_legs)
         first = None if gait is None else gait(0.0)
@@ -206,7 +205,7 @@ class Machine:
         def torque(time: float, z: Array, v: Array) -> Array | None:
             if law is None:
                 return None
-            given = law(time, model.shape(z), v[model.shape_v])  # type: ignore[operator]
+            given = law(time, model.shape(z), v[model.shape_v])
             return vector("torques", given, model.shape_v.size)
 
         def rate(time: float, state: Array) -> Array:

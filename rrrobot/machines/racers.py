@@ -47,7 +47,7 @@ def roller_racer(
         array([4.1667])
     """
     joints = [Joint("steering", "body", Link("fork", m2, flat(I2), (c2, 0, 0)), (d1, 0, 0))]
-    frames = [("rear_axle", "body", (0.0, 0, 0)), ("front_axle", "fork", (d2, 0, 0))]
+    frames = [("rear_axle", "body", (0.0, 0.0, 0.0)), ("front_axle", "fork", (d2, 0.0, 0.0))]
     wheels: list[tuple[str, str, str]] = []
     if wheel_radius is not None:
         spin = wheel_mass * wheel_radius**2 / 2
@@ -64,8 +64,8 @@ def roller_racer(
         NoSideSlip(model, model.getFrameId(f"{end}_axle"), name=end) for end in ("rear", "front")
     ]
     for row, hub, turning in wheels:
-        at = (model.getFrameId(hub), model.getFrameId(turning))
-        rows.append(RollingWheel(model, *at, float(wheel_radius or 0.0), name=row))
+        carrier, wheel_frame = model.getFrameId(hub), model.getFrameId(turning)
+        rows.append(RollingWheel(model, carrier, wheel_frame, float(wheel_radius or 0.0), name=row))
     gait = SinusoidalGait(offset=(0.2,), amplitude=(0.5,), angular_frequency=2.0, phase=(0.0,))
     return Machine(
         name="roller_racer",

@@ -100,7 +100,7 @@ class Reduction:
         rank, left, _, right = decompose(held)
         if np.any(np.abs(left[:, rank:].T @ moving) > 1e-9):
             raise ConstraintError(
-                f"{model._where(z, 0.0)}: the constraints "  # noqa: SLF001
+                f"{model._where(z, 0.0)}: the constraints "
                 f"{', '.join(repr(n) for n in model.names(None))} depend on each other and the "
                 "shape cannot move freely there: the connection is singular."
             )
@@ -162,7 +162,7 @@ class Reduction:
             v[self._base] = -self.connection(motion.angle) @ motion.rate
             return model.coordinates.rate(z, v)
 
-        start = model.start(self.machine._pose(None), gait(0.0).angle)  # noqa: SLF001
+        start = model.start(self.machine._pose(None), gait(0.0).angle)
         times = sample_times(end, end)
         run = integrate_on(
             rate, lambda _, z: model.coordinates.normalise(z), start, times,
@@ -231,7 +231,7 @@ class Reduction:
             mean = 0.5 / steps * (one.vector + two.vector)
             twist = np.sqrt(3) / 12 / steps**2 * two.cross(one).vector
             net = pin.exp6(pin.Motion(mean + twist)) * net
-        first = self.machine.model.start(self.machine._pose(None))[: 3 if n == 3 else 7]  # noqa: SLF001
+        first = self.machine.model.start(self.machine._pose(None))[: 3 if n == 3 else 7]
         if n == 3:
             turn = np.arctan2(net.rotation[1, 0], net.rotation[0, 0])
             return first + np.array((*net.translation[:2], turn))

@@ -12,9 +12,9 @@ from rrrobot.rows import NoSideSlip
 def chaplygin_sleigh(
     *,
     m: float = 1.5,
-    I: float = 0.04,
+    I: float = 0.04,  # noqa: E741
     a: float = 0.2,
-    Jr: float = 0.0,  # noqa: E741
+    Jr: float = 0.0,
 ) -> Machine:
     """A body on a knife edge, its mass centre ahead of it by a.
 

@@ -42,7 +42,7 @@ def snakeboard(
         3
     """
     rest = m - m_rotor - 2 * m_truck
-    if rest < 0 or J < 2 * m_truck * l**2:
+    if rest < 0 or 2 * m_truck * l**2 > J:
         raise ParameterError(
             f"m = {m} kg and J = {J} kg m^2 are those of the whole board: they must be at least "
             f"those of its rotor and trucks, {m_rotor + 2 * m_truck} kg and "

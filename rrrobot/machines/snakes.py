@@ -46,16 +46,17 @@ def kinematic_snake(*, L: float = 0.15, m: float = 0.5, I: float = 0.00375) -> M
         NoSideSlip(model, model.getFrameId(f"{end}_axle"), name=end)
         for end in ("rear", "middle", "front")
     ]
-    one = {"angular_frequency": 1.0}
     return Machine(
         name="kinematic_snake",
         title="kinematic snake: three links on an axle each",
         tree=tree,
         model=Mechanism(model, axles, motors=("rear", "front")),
         gaits={
-            "circle": SinusoidalGait(offset=1.0, amplitude=0.5, phase=(pi / 2, 0.0), **one),
+            "circle": SinusoidalGait(
+                offset=1.0, amplitude=0.5, angular_frequency=1.0, phase=(pi / 2, 0.0)
+            ),
             "turn": SinusoidalGait(
-                offset=(1.2, 0.8), amplitude=(0.3, 0.5), phase=(pi / 2, 0.3), **one
+                offset=(1.2, 0.8), amplitude=(0.3, 0.5), angular_frequency=1.0, phase=(pi / 2, 0.3)
             ),
         },
         shape=(1.0, 0.5),

@@ -51,7 +51,7 @@ def integrate_on(
             if failure is not None or not np.all(np.isfinite(solver.y)):
                 stop = f"the integrator failed: {failure or 'the state is not finite'}".rstrip(".")
                 break
-            if solver.step_size < SHORTEST_STEP < end - now:
+            if solver.step_size is not None and solver.step_size < SHORTEST_STEP < end - now:
                 stop = f"the step fell to {solver.step_size:.3g} s: the motion is too fast"
                 break
             now = float(solver.t)

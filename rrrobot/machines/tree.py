@@ -1,4 +1,4 @@
-"""A machine as a tree of links and joints: its Pinocchio model and its URDF from one description."""
+"""A machine as a tree of links and joints: Pinocchio model and URDF from one description."""
 
 from __future__ import annotations
 
