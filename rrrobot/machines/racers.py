@@ -44,7 +44,7 @@ def roller_racer(
         >>> import rrrobot as rr
         >>> racer = rr.machines.roller_racer()
         >>> racer.evaluate(shape=(0.6,), joint_torques=(0.05,)).shape_accelerations.round(4)
-        array([4.1667])
+        array([4.5489])
     """
     joints = [Joint("steering", "body", Link("fork", m2, flat(I2), (c2, 0, 0)), (d1, 0, 0))]
     frames = [("rear_axle", "body", (0.0, 0.0, 0.0)), ("front_axle", "fork", (d2, 0.0, 0.0))]

@@ -25,8 +25,8 @@ def kinematic_snake(*, L: float = 0.15, m: float = 0.5, I: float = 0.00375) -> M
     Example:
         >>> import rrrobot as rr
         >>> snake = rr.machines.kinematic_snake()
-        >>> snake.simulate(snake.gaits["circle"], 6.283185307179586).pose[-1].round(4).tolist()
-        [-0.0806, -0.0606, 0.0]
+        >>> snake.simulate(snake.gaits["circle"], 6.283185307179586).pose[-1, :2].round(4).tolist()
+        [-0.0806, -0.0606]
     """
     tree = Tree(
         Link("middle_link", m, flat(I)),
