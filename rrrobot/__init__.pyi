@@ -16,6 +16,8 @@ from rrrobot import simulation as simulation
 from rrrobot import steering as steering
 from rrrobot import studies as studies
 from rrrobot import view as view
+from rrrobot.constraints import Constraint as Constraint
+from rrrobot.constraints import RollingContact as RollingContact
 from rrrobot.constraints import contact_drift as contact_drift
 from rrrobot.constraints import contact_jacobian as contact_jacobian
 from rrrobot.constraints import contact_point as contact_point
@@ -44,6 +46,7 @@ from rrrobot.drive.torques import LegTorques as LegTorques
 from rrrobot.errors import ConstraintError as ConstraintError
 from rrrobot.errors import GaitError as GaitError
 from rrrobot.errors import GroundClearanceWarning as GroundClearanceWarning
+from rrrobot.errors import LimitWarning as LimitWarning
 from rrrobot.errors import MissingExtraError as MissingExtraError
 from rrrobot.errors import ModelError as ModelError
 from rrrobot.errors import OutputError as OutputError
@@ -55,6 +58,7 @@ from rrrobot.errors import SimulationError as SimulationError
 from rrrobot.errors import SimulationInterrupted as SimulationInterrupted
 from rrrobot.errors import SweepInterrupted as SweepInterrupted
 from rrrobot.errors import UrdfError as UrdfError
+from rrrobot.errors import UrdfWarning as UrdfWarning
 from rrrobot.kkt import kkt_build as kkt_build
 from rrrobot.kkt import kkt_solve as kkt_solve
 from rrrobot.models.full import FullModel as FullModel
@@ -62,6 +66,7 @@ from rrrobot.models.pivoting import PivotingModel as PivotingModel
 from rrrobot.models.single_axis import PitchModel as PitchModel
 from rrrobot.models.single_axis import RollModel as RollModel
 from rrrobot.models.single_axis import YawModel as YawModel
+from rrrobot.orbits.oscillations import modes as modes
 from rrrobot.robot.parameters import RRRobotParameters as RRRobotParameters
 from rrrobot.robot.robot import Robot as Robot
 from rrrobot.robot.urdf import rrrobot_urdf as rrrobot_urdf
@@ -71,8 +76,12 @@ from rrrobot.simulation.recombined import decoupled as decoupled
 from rrrobot.simulation.run import simulate as simulate
 from rrrobot.simulation.steady import SteadyState as SteadyState
 from rrrobot.simulation.trajectory import Trajectory as Trajectory
-from rrrobot.steering.planner import Plan as Plan
 from rrrobot.steering.planner import plan as plan
+from rrrobot.steering.plans import Plan as Plan
+from rrrobot.studies.optimisation.goals import FastestTravel as FastestTravel
+from rrrobot.studies.optimisation.goals import LeastEffort as LeastEffort
+from rrrobot.studies.optimisation.goals import TargetMotion as TargetMotion
+from rrrobot.studies.optimisation.goals import TightestTurn as TightestTurn
 from rrrobot.studies.optimisation.pareto import pareto_front as pareto_front
 from rrrobot.studies.optimisation.run import optimise as optimise
 from rrrobot.studies.optimisation.table import GaitLimits as GaitLimits

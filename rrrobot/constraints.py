@@ -34,7 +34,7 @@ from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.surfaces import SHELL_FRAME, Surface
 from rrrobot.contact.touching import Contact, check_pair, contact_rate, touch_near
 from rrrobot.drive.gaits import LegMotion
-from rrrobot.errors import ConstraintError
+from rrrobot.errors import ConstraintError, ParameterError
 from rrrobot.kkt import ConstraintRows
 from rrrobot.rotations import skew
 
@@ -129,7 +129,7 @@ class RollingContact(Constraint):
         name: str = "contact",
     ) -> None:
         self.model = model
-        self.frame_id = frame_id
+        self.frame_id = _existing(model, frame_id)
         self.surface = surface
         self.name = name
         self.ground = ground = Plane() if ground is None else ground
@@ -221,6 +221,22 @@ class PrescribedJoints(Constraint):
         return ConstraintRows(self.jacobian, -acceleration, at.v[self.index] - rate)
 
 
+def _existing(model: pin.Model, frame_id: int) -> int:
+    """A frame's number, if the model has it: Pinocchio ends the process over one that it has not.
+
+    Raises:
+        ParameterError: there is no such frame; `getFrameId` gives such a number for a wrong name.
+    """
+    if isinstance(frame_id, bool) or not 0 <= int(frame_id) < model.nframes:
+        names = [frame.name for frame in model.frames]
+        few = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
+        raise ParameterError(
+            f"the model has no frame {frame_id!r}: it has {model.nframes} frames, and getFrameId "
+            f"of a name that it does not have gives that number. Its frames are: {few}."
+        )
+    return int(frame_id)
+
+
 def contact_point(
     model: pin.Model,
     q: Array,
@@ -244,7 +260,7 @@ def contact_point(
     data = data or model.createData()
     n = Plane(normal).normal_vector
     pin.forwardKinematics(model, data, q)
-    placement = pin.updateFramePlacement(model, data, frame_id)
+    placement = pin.updateFramePlacement(model, data, _existing(model, frame_id))
     return placement.translation + surface.arm(placement.rotation, n)
 
 

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rrrobot.simulation.trajectory import Trajectory
-    from rrrobot.steering.planner import Plan
+    from rrrobot.steering.plans import Plan
 
 
 class RRRobotError(Exception):
@@ -120,3 +120,11 @@ class PlanError(RRRobotError, RuntimeError):
 
 class GroundClearanceWarning(UserWarning):
     """A leg can touch the ground, which no model here takes into account."""
+
+
+class UrdfWarning(UserWarning):
+    """A robot's file says what no body can have, or what no model here takes into account."""
+
+
+class LimitWarning(UserWarning):
+    """A motion passes a limit that the robot's file sets to a joint."""

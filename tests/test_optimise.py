@@ -411,7 +411,7 @@ def test_models_that_do_not_fit_are_told(model: rr.FullModel) -> None:
     class Mine(rr.FullModel):
         """Might have other equations."""
 
-    with pytest.raises(rr.ModelError, match="does not know .*Mine"):
+    with pytest.raises(rr.ModelError, match=r"does not know .*Mine"):
         optimise(Mine(model.robot), "fastest")
     with pytest.raises(rr.ParameterError, match="in metres"):
         optimise(rr.FullModel(random_robot(2, 3)), "fastest")

@@ -585,7 +585,7 @@ def test_models_that_the_engine_does_not_know() -> None:
     class Mine(rr.FullModel):
         """Might have other equations."""
 
-    with pytest.raises(rr.ModelError, match="does not know .*Mine"):
+    with pytest.raises(rr.ModelError, match=r"does not know .*Mine"):
         sweep(Mine(ROBOT), offset=1.0)
     still = rr.Robot.from_urdf(ROBOT.urdf, shell=rr.Sphere(0.12), legs=[])
     with pytest.raises(rr.ParameterError, match="no legs"):

@@ -6,12 +6,11 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.momentum.coefficients import LANES
-from rrrobot.momentum.compiled import borrowed, in_cache
+from rrrobot.momentum.compiled import borrowed, compiled, in_cache
 from rrrobot.momentum.extremes import LOADS as ALL_LOADS
 from rrrobot.momentum.extremes import evaluate, extremes
 from rrrobot.momentum.interpolation import interpolation, spline_matrix
@@ -19,9 +18,10 @@ from rrrobot.momentum.kernels import ANY, BLOCK, DECOUPLED, N_STAGES, N_STATE, N
 from rrrobot.momentum.lane import scratch
 from rrrobot.momentum.lowering import Setting, decoupled_setting, lower
 from rrrobot.momentum.normal import N_ANY_MOTION
-from rrrobot.momentum.settle import FourierGaits, settle, work_of
+from rrrobot.momentum.settle import settle
 from rrrobot.momentum.summary import N_MOTION, N_RESULT, RESULT, ROWS_PER_STEP
 from rrrobot.momentum.vertical import pitch_of
+from rrrobot.momentum.work import FourierGaits, work_of
 
 LOADS = ("friction", "rms_torque", "peak_torque", "power")
 """Further entries of a lane's steady state, on request; see `extremes.LOADS`."""
@@ -88,7 +88,7 @@ def _padded(array: Array) -> Array:
     return np.concatenate((array, np.repeat(array[..., -1:], missing, axis=-1)), axis=-1)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _march_block(  # type: ignore[no-untyped-def]
     y, table, par, steps, rows, axis, terrain, rolling, work, history
 ):
@@ -126,7 +126,7 @@ def fourier(gaits: Gaits) -> FourierGaits:
     return FourierGaits(gaits.offset, sine[:, None], cosine[:, None], gaits.angular_frequency)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _parts(amplitude, phase, sine, cosine):  # type: ignore[no-untyped-def]
     # One at a time: NumPy's vector loops may round an entry by where it stands.
     for k in range(len(phase)):

@@ -11,17 +11,17 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from rrrobot.checks import Array
 from rrrobot.momentum.coefficients import LANES, N_COEFFICIENTS, LaneWork, fill_lanes, lane_work
-from rrrobot.momentum.compiled import borrowed, inner
+from rrrobot.momentum.compiled import borrowed, compiled, inner
 from rrrobot.momentum.forces import Bodies, bodies
 from rrrobot.momentum.interpolation import interpolation, spline_matrix
 from rrrobot.momentum.loads import FRICTION, TORQUE, loads, n_signals
 from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.normal import N_ANY_MOTION
-from rrrobot.momentum.settle import FourierGaits
+from rrrobot.momentum.work import FourierGaits
+from rrrobot.robot.limits import CREEP
 
 LOADS = ("normal_force", "friction", "rms_torque", "peak_torque", "power", "clearance")
 """Least normal force [N]; largest friction coefficient that is needed, infinite if the normal force
@@ -98,15 +98,15 @@ def extremes(setting: Setting, gaits: FourierGaits, motion: Array) -> Array:
         * np.multiply.outer(np.arange(instants), np.arange(gaits.sine.shape[1]) + 1)
     )
     evaluate(
-        setting.tree, setting.parameters, setting.axis, setting.leg_damping, tuple(gaits), motion,
+        setting.tree, setting.parameters, setting.axis, setting.leg_loss, tuple(gaits), motion,
         np.array((np.sin(turn), np.cos(turn))), refine, finer, setting.periodic, work, out,
     )  # fmt: skip
     return out
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def evaluate(  # type: ignore[no-untyped-def]
-    tree, parameters, axis, leg_damping, gaits, motion, turns, refine, finer, periodic, work, out
+    tree, parameters, axis, leg_loss, gaits, motion, turns, refine, finer, periodic, work, out
 ):
     """Loads of gaits; see `extremes`."""
     tree, parameters, gaits = borrowed(tree), borrowed(parameters), borrowed(gaits)
@@ -118,12 +118,18 @@ def evaluate(  # type: ignore[no-untyped-def]
         _product(finer, work.signals, work.fine)
         for leg in range(n_legs):
             for k in range(len(work.fine)):
-                # The motors also overcome the damping of their joints.
+                # The motors also overcome the damping and the friction of their joints.
                 x = work.fine[k]
-                x[TORQUE + leg] += leg_damping * x[TORQUE + n_legs + leg]
+                rate = x[TORQUE + n_legs + leg]
+                x[TORQUE + leg] += leg_loss[0, leg] * rate + leg_loss[1, leg] * np.tanh(
+                    rate / CREEP
+                )
             for k in range(len(work.signals)):
                 x = work.signals[k]
-                x[TORQUE + leg] += leg_damping * x[TORQUE + n_legs + leg]
+                rate = x[TORQUE + n_legs + leg]
+                x[TORQUE + leg] += leg_loss[0, leg] * rate + leg_loss[1, leg] * np.tanh(
+                    rate / CREEP
+                )
         for kind in range(2 + n_legs):
             work.tops[kind] = _top(work, kind, periodic)
         row = out[g]

@@ -109,7 +109,7 @@ def sweep(tree, leg, w, alpha, s, drag, up, high, gravity, b):  # type: ignore[n
 @inner
 def _place(tree, i, leg, b):  # type: ignore[no-untyped-def]
     """Rotation, axis and origin of body i."""
-    p, q = tree.parent[i], leg[0, tree.leg[i]]
+    p, q = tree.parent[i], tree.ratio[i] * leg[0, tree.leg[i]] + tree.shift[i]
     x, y, z = tree.axis[i, 0], tree.axis[i, 1], tree.axis[i, 2]
     t = tree.translation[i]
     prismatic = tree.prismatic[i]
@@ -136,7 +136,8 @@ def _place(tree, i, leg, b):  # type: ignore[no-untyped-def]
 def _accelerate(tree, i, leg, b):  # type: ignore[no-untyped-def]
     """Velocities and accelerations of body i, carried by its parent and moved by its joint."""
     p, lever, turning = tree.parent[i], b.vector[0], b.vector[1]
-    rate, acceleration = leg[1, tree.leg[i]], leg[2, tree.leg[i]]
+    k, ratio = tree.leg[i], tree.ratio[i]
+    rate, acceleration = ratio * leg[1, k], ratio * leg[2, k]
     axis, w, alpha, a_origin = b.axis[i], b.omega[i], b.alpha[i], b.acceleration[i]
     for a in range(3):
         lever[a] = b.origin[i, a] - b.origin[p, a]

@@ -8,9 +8,8 @@ The angular acceleration follows from the moment about the pivot, which is linea
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from rrrobot.momentum.compiled import inner
+from rrrobot.momentum.compiled import compiled, inner
 from rrrobot.momentum.forces import sweep
 from rrrobot.momentum.kernels import ANY
 
@@ -88,7 +87,7 @@ def accelerate(c, axis, s, w, right, mass, out):  # type: ignore[no-untyped-def]
         out[a] = right[a] / w[a] if a == axis else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def loads(tree, motion, c, leg, parameters, axis, b, out):  # type: ignore[no-untyped-def]
     """Signals of one state.
 
@@ -134,12 +133,13 @@ def loads(tree, motion, c, leg, parameters, axis, b, out):  # type: ignore[no-un
     for a in range(3):
         out[1 + a] = force[a] - out[0] * high[a]
     n_legs = leg.shape[1]
+    for k in range(n_legs):
+        out[TORQUE + k], out[TORQUE + n_legs + k] = 0.0, leg[1, k]
     for i in range(tree.mass.size):
         held = i > 0 and tree.mass[i] > 0.0
         out[TORQUE + 2 * n_legs + i] = above + b.height[i] if held else _MASSLESS
         if i > 0:
-            k = tree.leg[i]
-            out[TORQUE + k], out[TORQUE + n_legs + k] = _motor(tree, i, b), leg[1, k]
+            out[TORQUE + tree.leg[i]] += tree.ratio[i] * _motor(tree, i, b)
 
 
 @inner

@@ -41,8 +41,8 @@ class Setting(NamedTuple):
     for a body with any shell on any ground"""
     limit: float
     """of the sine of the pitch, where a lane stops; above 1 for models without a singularity"""
-    leg_damping: float
-    """of the leg joints [N m s/rad], which the motors overcome"""
+    leg_loss: Array
+    """damping [N m s/rad] and friction [N m] of the leg joints (2, legs), motors overcome both"""
     terrain: Terrain | None
     """the shell on the ground, where the axis is ANY; else None, and the engine is compiled
     without what it would need"""
@@ -71,7 +71,8 @@ def lower(model: Model) -> Setting:
             f"{', '.join(kind.__name__ for kind in MODELS)}. Use method='kkt'."
         )
     limit = VERTICAL if model.singular_at_vertical else _ANY_PITCH
-    legs, losses = model.damping.leg_coefficient, _damping(model.damping)
+    joints, losses = robot.joints, _damping(model.damping)
+    legs = np.array((joints.damping + model.damping.leg_coefficient, joints.friction))
     frame = robot.shell_placement
     level = type(model.ground) is Plane and model.ground.is_level
     if type(shell) is Sphere and level and shell.radius <= _LARGE:
@@ -98,7 +99,8 @@ def decoupled_setting(
     first = lower(models[0])
     parameters = first.parameters.copy()
     parameters[4:7] = losses
-    return first._replace(parameters=parameters, axis=DECOUPLED, limit=_ANY_PITCH, leg_damping=0.0)
+    none = np.zeros_like(first.leg_loss)
+    return first._replace(parameters=parameters, axis=DECOUPLED, limit=_ANY_PITCH, leg_loss=none)
 
 
 def _damping(damping: Damping) -> tuple[float, float, float, float]:

@@ -25,6 +25,7 @@ from rrrobot.robot.robot import Robot
 from rrrobot.rotations import body_rates_matrix, body_rates_matrix_rate, quaternion_from_euler
 from rrrobot.simulation.run import assemble, initial_state, longest_step, raise_if_stopped, versions
 from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.simulation.watch import watch
 
 
 def decoupled(
@@ -115,6 +116,7 @@ def decoupled(
     }
     trajectory = _recombine(robot, models[0].ground, times, states, angular, gait(times), metadata)
     raise_if_stopped(result, trajectory, lambda y: f"roll, pitch, yaw = {y[:3].tolist()} rad")
+    watch(trajectory)
     return trajectory
 
 

@@ -42,6 +42,7 @@ from rrrobot.rotations import (
     rotation_from_quaternion,
 )
 from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.simulation.watch import watch
 
 
 def simulate(
@@ -126,6 +127,7 @@ def simulate(
     settings |= stepping.to_dict()
     trajectory = system.trajectory(times[:n], result.states, track.angles[:n], settings)
     raise_if_stopped(result, trajectory, lambda y: _describe(model, y))
+    watch(trajectory)
     return trajectory
 
 

@@ -192,6 +192,9 @@ def _attrs(model: Swept, base: RRRobotParameters | None, run: dict[str, int]) ->
     """What a dataset says of itself."""
     from llvmlite import binding  # type: ignore[import-untyped, unused-ignore]
 
+    from rrrobot.momentum.cache import engine_hash
+
+    here = {"cpu": binding.get_host_cpu_name(), "engine": engine_hash()}
     used = versions() | {name: version(name) for name in ("numba", "xarray")}
     return {
         "title": f"steady states of gaits: {model.name} model of {model.robot.name}",
@@ -200,7 +203,7 @@ def _attrs(model: Swept, base: RRRobotParameters | None, run: dict[str, int]) ->
         "parameters": json.dumps(None if base is None else base.to_dict()),
         "robot": json.dumps(model.robot.to_dict()),
         **{name: int(value) for name, value in run.items()},
-        "versions": json.dumps(used | {"cpu": binding.get_host_cpu_name()}),
+        "versions": json.dumps(used | here),
     }
 
 
