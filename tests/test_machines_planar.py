@@ -273,3 +273,15 @@ def test_bad_machines_and_starts_are_refused():
         board.simulate(rr.gait("lateral"), 1.0)
     with pytest.raises(rr.ModelError, match="not both"):
         board.evaluate(shape_accelerations=(0, 0, 0), joint_torques=(0, 0, 0))
+
+
+def test_rr_simulate_takes_a_machine():
+    board = rr.machines.snakeboard()
+    t = rr.simulate(board.model, board.gaits["drive"], 2 * np.pi, sample_interval=1.0)
+    close(t.pose[-1], (0.1244027847, -0.001190438453, -0.06047402649))
+    with pytest.raises(rr.GaitError, match="moves 2 joints"):
+        rr.simulate(board.model, rr.gait("lateral"), 1.0)
+    with pytest.raises(rr.ModelError, match="takes its pose"):
+        rr.simulate(board.model, board.gaits["drive"], 1.0, position=(1.0, 0.0))
+    with pytest.raises(rr.ModelError, match="takes no state, step"):
+        rr.simulate(board.model, board.gaits["drive"], 1.0, step=0.1)

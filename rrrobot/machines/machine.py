@@ -73,6 +73,9 @@ class Machine:
     velocity: tuple[float, ...] | None = None
     """body velocity at which it starts by itself; its pose likewise"""
 
+    def __post_init__(self) -> None:
+        self.model.machine = self
+
     @property
     def urdf(self) -> str:
         """URDF text of the tree.
@@ -227,6 +230,20 @@ class Machine:
                 trajectory=history,  # type: ignore[arg-type]
             )
         return history
+
+    def simulated(
+        self,
+        drive: Gait | TorqueLaw | None,
+        duration: float,
+        sample_interval: float,
+        start: str | ArrayLike,
+        rtol: float,
+        atol: float,
+    ) -> History:
+        """What `rr.simulate(machine.model, gait, duration)` gives."""
+        return self.simulate(
+            drive, duration, start=start, sample_interval=sample_interval, rtol=rtol, atol=atol
+        )
 
     def _pose(self, pose: ArrayLike | None) -> ArrayLike | None:
         if self.model.planar:

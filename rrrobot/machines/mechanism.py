@@ -87,6 +87,8 @@ class Mechanism:
         self.planar = model.joints[1].shortname() == "JointModelPlanar"
         self.n_base = model.joints[1].nv
         self._still = np.zeros(model.nv)
+        self.machine: Any = None
+        """the `Machine` whose equations these are, once it is made: `rr.simulate` asks it"""
 
     @property
     def rolling(self) -> RollingContact | None:
