@@ -49,6 +49,7 @@ from rrrobot.errors import GroundClearanceWarning as GroundClearanceWarning
 from rrrobot.errors import LimitWarning as LimitWarning
 from rrrobot.errors import MissingExtraError as MissingExtraError
 from rrrobot.errors import ModelError as ModelError
+from rrrobot.errors import OrbitError as OrbitError
 from rrrobot.errors import OutputError as OutputError
 from rrrobot.errors import ParameterError as ParameterError
 from rrrobot.errors import PlanError as PlanError
@@ -66,6 +67,8 @@ from rrrobot.models.pivoting import PivotingModel as PivotingModel
 from rrrobot.models.single_axis import PitchModel as PitchModel
 from rrrobot.models.single_axis import RollModel as RollModel
 from rrrobot.models.single_axis import YawModel as YawModel
+from rrrobot.orbits.limit_cycles import LimitCycle as LimitCycle
+from rrrobot.orbits.limit_cycles import limit_cycle as limit_cycle
 from rrrobot.orbits.oscillations import modes as modes
 from rrrobot.robot.parameters import RRRobotParameters as RRRobotParameters
 from rrrobot.robot.robot import Robot as Robot
