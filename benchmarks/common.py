@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rrrobot as rr
-from rrrobot.momentum.batch import RESULT, Gaits, Setting, setting_of, steady_states
+from rrrobot.momentum.batch import RESULT, Gaits, Setting, lower, steady_states
 
 Array = NDArray[np.float64]
 
@@ -135,7 +135,7 @@ def engine_motion(found: Array) -> Motion:
 
 def true_motion(gaits: Gaits, damping: rr.Damping | float = KAPPA) -> Motion:
     """The true answer: the engine with four times its usual steps."""
-    return engine_motion(engine(setting_of(full_model(damping)), gaits, steps=TRUE_STEPS))
+    return engine_motion(engine(lower(full_model(damping)), gaits, steps=TRUE_STEPS))
 
 
 def kkt_motion(gait: rr.SinusoidalGait, damping: rr.Damping | float = KAPPA) -> Motion:

@@ -8,7 +8,7 @@ import numpy as np
 
 import rrrobot as rr
 from benchmarks.common import PAPER_GAITS, Motion, engine, engine_motion, full_model, true_motion
-from rrrobot.momentum.batch import setting_of
+from rrrobot.momentum.batch import lower
 
 
 def contact_checks() -> list[dict[str, Any]]:
@@ -34,7 +34,7 @@ def contact_checks() -> list[dict[str, Any]]:
 
 def own_checks(true: Motion) -> dict[str, float]:
     """The same of the engine."""
-    ours = engine_motion(engine(setting_of(full_model()), PAPER_GAITS.gaits()))
+    ours = engine_motion(engine(lower(full_model()), PAPER_GAITS.gaits()))
     result = {
         "lateral_speed_ratio": float(ours.speed[0] / true.speed[0]),
         "circular_speed_ratio": float(ours.speed[1] / true.speed[1]),

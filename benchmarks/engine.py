@@ -43,7 +43,7 @@ from benchmarks.common import (
     repeated,
 )
 from rrrobot import FullModel
-from rrrobot.momentum.batch import LOADS, RESULT, setting_of, steady_states
+from rrrobot.momentum.batch import LOADS, RESULT, lower, steady_states
 
 MILLION_CYCLES = 26
 """The first whole number of cycles that lasts 20 s."""
@@ -51,7 +51,7 @@ MILLION_CYCLES = 26
 
 def grid(rows: int, repeats: int) -> dict[str, Any]:
     """The plane of gaits on one thread."""
-    setting, gaits = setting_of(full_model()), plane(rows, rows).gaits()
+    setting, gaits = lower(full_model()), plane(rows, rows).gaits()
     times = repeated(lambda: engine(setting, gaits), repeats)
     wall = [t.wall for t in times]
     return {
@@ -62,7 +62,7 @@ def grid(rows: int, repeats: int) -> dict[str, Any]:
 
 def with_loads(rows: int, repeats: int) -> dict[str, Any]:
     """The plane with torques, power and friction, and how well the default steps give them."""
-    setting, gaits = setting_of(full_model()), plane(rows, rows).gaits()
+    setting, gaits = lower(full_model()), plane(rows, rows).gaits()
 
     def run(steps: int) -> Any:
         return steady_states(
@@ -82,7 +82,7 @@ def with_loads(rows: int, repeats: int) -> dict[str, Any]:
 def accuracy(rows: int, sample: int, seed: int = 1) -> dict[str, Any]:
     """Errors of the engine's speed and yaw rate against the KKT form at random points."""
     points = plane(rows, rows)
-    found = engine_motion(engine(setting_of(full_model()), points.gaits()))
+    found = engine_motion(engine(lower(full_model()), points.gaits()))
     moving = np.flatnonzero(found.speed > MIN_SPEED)
     chosen = np.random.default_rng(seed).choice(moving, sample, replace=False)
     kkt = [kkt_motion(points.gait(i)) for i in chosen]
@@ -98,7 +98,7 @@ def accuracy(rows: int, sample: int, seed: int = 1) -> dict[str, Any]:
 
 def convergence(rows: int, steps: tuple[int, ...]) -> list[dict[str, Any]]:
     """Errors and time of other numbers of steps, against 80."""
-    setting, points = setting_of(full_model()), plane(rows, rows).gaits()
+    setting, points = lower(full_model()), plane(rows, rows).gaits()
     true = engine_motion(engine(setting, points, steps=2 * TRUE_STEPS)).speed
     rows_ = []
     for n in steps:
@@ -114,7 +114,7 @@ def convergence(rows: int, steps: tuple[int, ...]) -> list[dict[str, Any]]:
 
 def linearity(sizes: tuple[int, ...], repeats: int) -> list[dict[str, Any]]:
     """Time per gait for several numbers of gaits, on one thread."""
-    setting, rows = setting_of(full_model()), []
+    setting, rows = lower(full_model()), []
     for n in sizes:
         gaits = some_gaits(n, 2)
         times = median(repeated(lambda g=gaits: engine(setting, g), repeats))
@@ -128,7 +128,7 @@ def legs(counts: tuple[int, ...], gaits: int, repeats: int) -> list[dict[str, An
 
     rows = []
     for n in counts:
-        setting = setting_of(FullModel(random_robot(3, n), damping=KAPPA))
+        setting = lower(FullModel(random_robot(3, n), damping=KAPPA))
         some = some_gaits(gaits, n, amplitude=0.05)
         short, long = (
             median(repeated(lambda s=setting, g=some, c=c: engine(s, g, cycles=c), repeats)).core
@@ -143,7 +143,7 @@ def legs(counts: tuple[int, ...], gaits: int, repeats: int) -> list[dict[str, An
 
 def threads(gaits: int, repeats: int) -> dict[str, Any]:
     """One thread and two over the same chunks, in turn."""
-    setting, some = setting_of(full_model()), some_gaits(gaits, 2)
+    setting, some = lower(full_model()), some_gaits(gaits, 2)
 
     def run(n: int) -> Timing:
         return clocked(lambda: engine(setting, some, threads=n, chunk=320))
@@ -172,7 +172,7 @@ def some_gaits(n: int, n_legs: int, amplitude: float | None = None, seed: int = 
 
 def million(n: int, n_threads: int = 2) -> dict[str, Any]:
     """Many gaits of 20 s in this process, and its memory."""
-    setting = setting_of(full_model())
+    setting = lower(full_model())
     engine(setting, some_gaits(16, 2), cycles=3, counted=2)
     before = _resident()
     gaits = some_gaits(n, 2)
@@ -195,9 +195,9 @@ def _resident() -> float:
 def first_call() -> dict[str, float]:
     """Time in this process of setting the model up, and of the first sweep."""
     start = time.perf_counter()
-    setting_of(full_model())
+    lower(full_model())
     ready = time.perf_counter()
-    engine(setting_of(full_model()), plane(4, 4).gaits(), cycles=3, counted=2)
+    engine(lower(full_model()), plane(4, 4).gaits(), cycles=3, counted=2)
     return {"model": ready - start, "first_sweep": time.perf_counter() - ready}
 
 

@@ -46,7 +46,7 @@ from benchmarks.common import (
     true_motion,
 )
 from benchmarks.contact import contact_checks
-from rrrobot.momentum.batch import setting_of
+from rrrobot.momentum.batch import lower
 from rrrobot.simulation.steady import steady_state
 
 BODY = rr.BodyRateDamping(KAPPA, KAPPA, KAPPA)
@@ -57,7 +57,7 @@ TEN_MS = 79
 def true_answer() -> list[dict[str, Any]]:
     """The paper's two gaits by three ways that share no equations."""
     names, rows = ("lateral", "circular"), []
-    setting, gaits = setting_of(full_model()), PAPER_GAITS.gaits()
+    setting, gaits = lower(full_model()), PAPER_GAITS.gaits()
     ways = {
         f"engine, {n} steps in a cycle": engine_motion(engine(setting, gaits, steps=n))
         for n in (TRUE_STEPS, 2 * TRUE_STEPS)
@@ -94,7 +94,7 @@ class Ours:
     """The engine on the sweep, measured again and again while the others run."""
 
     def __init__(self, points: Plane, damping: rr.Damping | float) -> None:
-        self.setting = setting_of(full_model(damping))
+        self.setting = lower(full_model(damping))
         self.gaits = points.gaits()
         self.times: dict[int, list[Timing]] = {1: [], 2: []}
 
@@ -210,7 +210,7 @@ def ratios(rows: list[dict[str, Any]]) -> dict[str, Any]:
 
 def engine_at(points: Plane, true: Motion, steps: tuple[int, ...]) -> list[dict[str, Any]]:
     """Time and error of the engine at several steps in a cycle, on one thread."""
-    setting, gaits = setting_of(full_model()), points.gaits()
+    setting, gaits = lower(full_model()), points.gaits()
     found = []
     for n in steps:
         timing = median(repeated(partial(engine, setting, gaits, steps=n), 5))

@@ -186,9 +186,9 @@ def own_rows(true: Motion) -> Iterator[dict[str, Any]]:
         found = Motion(*(np.array([getattr(s, k) for s in states]) for k in Motion._fields))
         timing = Timing(*(float(np.mean(both)) for both in zip(*timings, strict=True)))
         yield row("rrrobot", release, name, None, timing, found, true)
-    from rrrobot.momentum.batch import setting_of
+    from rrrobot.momentum.batch import lower
 
-    setting = setting_of(model)
+    setting = lower(model)
     found = engine_motion(engine(setting, PAPER_GAITS.gaits()))
     for some in (PAPER_GAITS.take([1]), plane(20, 20)):
         timing = median(repeated(partial(engine, setting, some.gaits()), 9))

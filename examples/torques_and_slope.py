@@ -10,8 +10,9 @@ out = Path("out")
 out.mkdir(exist_ok=True)
 
 slope = np.deg2rad(3.0)
-robot = rr.Robot.from_parameters(ground_normal=(np.sin(slope), 0.0, np.cos(slope)))
-model = rr.FullModel(robot, damping=rr.BodyRateDamping(0.01, 0.01, 0.01, legs=0.002))
+hill = rr.Plane((np.sin(slope), 0.0, np.cos(slope)))
+robot = rr.Robot.from_parameters()
+model = rr.FullModel(robot, ground=hill, damping=rr.BodyRateDamping(0.01, 0.01, 0.01, legs=0.002))
 
 
 def hold_up(state: rr.MotionState) -> np.ndarray:

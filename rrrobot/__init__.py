@@ -1,20 +1,16 @@
 """rrrobot: legless locomotion of round robots. See README.md."""
 
+from rrrobot import paper
 from rrrobot.constraints import (
-    ConstraintRows,
-    KKTSolution,
-    KKTSystem,
+    Constraint,
+    Instant,
     PrescribedJoints,
     RollingContact,
     contact_drift,
     contact_jacobian,
     contact_point,
-    kkt_build,
-    kkt_solve,
-    projected_acceleration,
-    rolling_null_space,
-    rolling_projector,
 )
+from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.kinematics import contact_path, contact_velocity, sphere_contact_rate
 from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
 from rrrobot.drive.damping import BodyRateDamping, Damping, EulerRateDamping
@@ -45,6 +41,16 @@ from rrrobot.errors import (
     SweepInterrupted,
     UrdfError,
 )
+from rrrobot.kkt import (
+    ConstraintRows,
+    KKTSolution,
+    KKTSystem,
+    kkt_build,
+    kkt_solve,
+    projected_acceleration,
+    rolling_null_space,
+    rolling_projector,
+)
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
@@ -72,7 +78,6 @@ from rrrobot.reduction.checks import (
     controllability,
     path_controllability,
     reducibility,
-    weightless,
 )
 from rrrobot.reduction.connection import Connection, rotation_connection
 from rrrobot.reduction.cycles import OptimalCycle, optimal_cycle
@@ -82,6 +87,7 @@ from rrrobot.robot.examples import example_robots
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.robot import Robot
 from rrrobot.robot.urdf import reduced_urdf, rrrobot_urdf, urdf_path
+from rrrobot.serial import register
 from rrrobot.simulation.recombined import decoupled
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.steady import SteadyState
@@ -112,6 +118,7 @@ __all__ = [
     "CallableGait",
     "Comparison",
     "Connection",
+    "Constraint",
     "ConstraintError",
     "ConstraintRows",
     "Controllability",
@@ -125,7 +132,9 @@ __all__ = [
     "Gait",
     "GaitError",
     "GaitLimits",
+    "Ground",
     "GroundClearanceWarning",
+    "Instant",
     "KKTSolution",
     "KKTSystem",
     "LeastEffort",
@@ -144,6 +153,7 @@ __all__ = [
     "PeriodRow",
     "PitchModel",
     "PivotingModel",
+    "Plane",
     "PrescribedJoints",
     "RRRobotError",
     "RRRobotParameters",
@@ -201,6 +211,7 @@ __all__ = [
     "record",
     "reduced_urdf",
     "reducibility",
+    "register",
     "reproduce",
     "rolling_null_space",
     "rolling_pendulum_period",
@@ -215,7 +226,6 @@ __all__ = [
     "table_3",
     "table_4",
     "urdf_path",
-    "weightless",
     "yaw_drift",
     "yaw_mass_matrix",
     "zero_set",

@@ -1,7 +1,9 @@
-"""Constraints on acceleration: rolling contact, prescribed joints; KKT build and solve; projectors.
+"""Constraints on a robot's motion: one protocol, rolling contact and prescribed joints.
 
-Rolling without slip of a shell with contact arm rho on a plane with unit normal n: the material
-point of the shell at the contact stands still,
+A constraint is some rows J v = c of the velocities v, c zero unless something is driven, and their
+derivative J a + gamma = 0, which the KKT system imposes on the accelerations. Rolling without slip
+of a shell with contact arm rho on a ground of unit normal n: the material point of the shell at
+the contact stands still,
 
     v_c + Omega x rho = 0,        v_c, Omega: velocity of the shell's centre, angular velocity.
 
@@ -19,45 +21,88 @@ with a round body; `RollingContact` is the same for repeated use.
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import cache
+from abc import ABC, abstractmethod
 from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
-from rrrobot.checks import Array, vector
-from rrrobot.contact.surfaces import SHELL_FRAME, Surface, ground_basis
+from rrrobot.checks import Array
+from rrrobot.contact.ground import Ground, Plane
+from rrrobot.contact.surfaces import SHELL_FRAME, Surface
+from rrrobot.drive.gaits import LegMotion
 from rrrobot.errors import ConstraintError
+from rrrobot.kkt import ConstraintRows
 from rrrobot.rotations import skew
 
 _FRAME = pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
 
 
-class ConstraintRows(NamedTuple):
-    """Rows of a constraint J a + drift = 0 at a state with J v = residual."""
+class Instant(NamedTuple):
+    """Where a constraint is evaluated."""
 
-    jacobian: Array
-    """J (m, nv)"""
-    drift: Array
-    """gamma (m,) [m/s^2 or rad/s^2]"""
-    residual: Array
-    """J v (m,) [m/s or rad/s]; zero on the constraint"""
+    data: pin.Data
+    """with positions, velocities and the accelerations at v_dot = 0 of all joints"""
+    q: Array
+    """Pinocchio's configuration (nq,)"""
+    v: Array
+    """Pinocchio's velocity (nv,)"""
+    time: float = 0.0
+    """[s]"""
+    legs: LegMotion | None = None
+    """prescribed motion of the legs, if they are prescribed"""
 
 
-class RollingContact:
-    """No-slip rolling of a body's shell on a plane.
+class Constraint(ABC):
+    """Rows J v = c, J a + gamma = 0 on one Pinocchio model; a subclass gives `rows`.
 
-    Rows are along the columns (t1, t2, n) of `basis`; on level ground, along x, y and z. Rows 0
-    and 1 are nonholonomic, row 2 is holonomic.
+    Attributes:
+        name: under which its force is found in `Dynamics.forces`.
+        holonomic: which rows are derivatives of a constraint on positions (m,).
+        model: the Pinocchio model; None where the rows need no kinematics.
+    """
+
+    name: str
+    holonomic: NDArray[np.bool_]
+    model: pin.Model | None = None
+
+    @abstractmethod
+    def rows(self, at: Instant) -> ConstraintRows:
+        """Jacobian, drift and residual, from kinematics that are up to date."""
+
+    def evaluate(
+        self,
+        data: pin.Data,
+        q: Array,
+        v: Array,
+        *,
+        time: float = 0.0,
+        legs: LegMotion | None = None,
+    ) -> ConstraintRows:
+        """Jacobian, drift and residual at (q, v); updates the kinematics in `data`."""
+        if self.model is not None:
+            pin.forwardKinematics(self.model, data, q, v, np.zeros(self.model.nv))
+        return self.rows(Instant(data, q, v, time, legs))
+
+    def force(self, multipliers: Array) -> Array:
+        """The constraint's force (m,) of its rows' multipliers; as they are, unless overridden."""
+        return multipliers
+
+
+class RollingContact(Constraint):
+    """No-slip rolling of a body's shell on the ground; its force is the contact force.
+
+    On a plane, rows are along the columns (t1, t2, n) of its basis; on level ground, along x, y
+    and z. Rows 0 and 1 are nonholonomic, row 2 is holonomic.
 
     Args:
         model: Pinocchio model.
         frame_id: frame of the shell's centre and axes.
         surface: the shell.
-        normal: unit normal of the plane (3,).
+        ground: level ground unless given.
         rows: which of the rows (0, 1, 2) to impose; all unless a model has fewer freedoms.
+        name: of the constraint.
 
     Example:
         >>> import numpy as np, pinocchio as pin, rrrobot as rr
@@ -68,48 +113,46 @@ class RollingContact:
         (3, 8)
     """
 
-    holonomic = np.array((False, False, True))
-
     def __init__(
         self,
         model: pin.Model,
         frame_id: int,
         surface: Surface,
-        normal: ArrayLike = (0.0, 0.0, 1.0),
+        ground: Ground | None = None,
         *,
         rows: tuple[int, ...] = (0, 1, 2),
+        name: str = "contact",
     ) -> None:
         self.model = model
         self.frame_id = frame_id
         self.surface = surface
-        n = vector("normal", normal, 3)
-        self.normal = n / np.linalg.norm(n)
-        self.basis = ground_basis(self.normal)
-        self.rows = rows
-        self._rows = list(rows)
-        self._project = self.basis.T[self._rows]
+        self.name = name
+        self.ground = ground = Plane() if ground is None else ground
+        if not isinstance(ground, Plane):
+            raise ConstraintError(f"rolling on {ground!r} is not known: it must be a Plane.")
+        self.normal, self.basis = ground.normal_vector, ground.basis
+        self.imposed = rows
+        self.holonomic = np.array([row == 2 for row in rows])
+        self._project = self.basis.T[list(rows)]
         self._level = bool(np.array_equal(self._project, np.eye(3)))
-        self._still = np.zeros(model.nv)
         # The arm of a sphere is the same at every orientation.
         fixed = surface.fixed_arm(self.normal)
         self._fixed_arm = None if fixed is None else skew(fixed)
 
     @classmethod
-    def of(cls, robot: Any) -> RollingContact:
-        """Rolling contact of a `Robot` on its ground."""
+    def of(cls, robot: Any, ground: Ground | None = None) -> RollingContact:
+        """Rolling contact of a `Robot` on a ground; level ground unless given."""
         frame = robot.model.getFrameId(SHELL_FRAME)
-        return cls(robot.model, frame, robot.shell, robot.ground_normal)
+        return cls(robot.model, frame, robot.shell, ground)
 
-    def evaluate(self, data: pin.Data, q: Array, v: Array) -> ConstraintRows:
-        """Jacobian, drift and residual at (q, v). Updates the kinematics in `data`."""
-        model, frame_id = self.model, self.frame_id
-        pin.forwardKinematics(model, data, q, v, self._still)
-        spatial = pin.computeFrameJacobian(model, data, q, frame_id, _FRAME)
+    def rows(self, at: Instant) -> ConstraintRows:
+        model, data, frame_id = self.model, at.data, self.frame_id
+        spatial = pin.computeFrameJacobian(model, data, at.q, frame_id, _FRAME)
         placement = pin.updateFramePlacement(model, data, frame_id)
         acceleration = pin.getFrameClassicalAcceleration(model, data, frame_id, _FRAME)
         arm = self._fixed_arm
         if arm is None:
-            rotation, omega = placement.rotation, spatial[3:] @ v
+            rotation, omega = placement.rotation, spatial[3:] @ at.v
             arm = skew(self.surface.arm(rotation, self.normal))
             arm_rate = self.surface.arm_rate(rotation, omega, self.normal)
             drift = acceleration.linear - arm @ acceleration.angular + skew(omega) @ arm_rate
@@ -118,7 +161,12 @@ class RollingContact:
         jacobian = spatial[:3] - arm @ spatial[3:]
         if not self._level:
             jacobian, drift = self._project @ jacobian, self._project @ drift
-        return ConstraintRows(jacobian, drift, jacobian @ v)
+        return ConstraintRows(jacobian, drift, jacobian @ at.v)
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all three rows are imposed, so that the multipliers are the whole force."""
+        return bool(self.holonomic.size == 3)
 
     def height(self, data: pin.Data) -> float:
         """Height of the shell's lowest point over the plane [m], after `evaluate`; zero on it."""
@@ -131,12 +179,15 @@ class RollingContact:
         return self._project.T @ multipliers
 
 
-class PrescribedJoints:
+class PrescribedJoints(Constraint):
     """Joints that follow a given motion: v[index] = rate, a[index] = acceleration.
+
+    Its force is what the motors do [N m, or N of prismatic joints].
 
     Args:
         index: entries of v, shape (m,).
         nv: size of v.
+        name: of the constraint.
 
     Example:
         >>> import numpy as np, rrrobot as rr
@@ -144,14 +195,18 @@ class PrescribedJoints:
         (2, 8)
     """
 
-    def __init__(self, index: ArrayLike, nv: int) -> None:
+    def __init__(self, index: ArrayLike, nv: int, *, name: str = "legs") -> None:
         self.index = np.asarray(index, dtype=int)
+        self.name = name
+        self.holonomic = np.ones(self.index.size, dtype=bool)
         self.jacobian = np.zeros((self.index.size, nv))
         self.jacobian[np.arange(self.index.size), self.index] = 1.0
 
-    def evaluate(self, v: Array, rate: Array, acceleration: Array) -> ConstraintRows:
-        """Rows with drift -acceleration; the multipliers are the motors' efforts [N m or N]."""
-        return ConstraintRows(self.jacobian, -acceleration, v[self.index] - rate)
+    def rows(self, at: Instant) -> ConstraintRows:
+        if at.legs is None:
+            raise ConstraintError("prescribed joints need the motion that they follow: give legs=.")
+        _, rate, acceleration = at.legs
+        return ConstraintRows(self.jacobian, -acceleration, at.v[self.index] - rate)
 
 
 def contact_point(
@@ -175,10 +230,10 @@ def contact_point(
         [0.0, 0.0, -0.12]
     """
     data = data or model.createData()
-    n = np.asarray(normal, dtype=float)
+    n = Plane(normal).normal_vector
     pin.forwardKinematics(model, data, q)
     placement = pin.updateFramePlacement(model, data, frame_id)
-    return placement.translation + surface.arm(placement.rotation, n / np.linalg.norm(n))
+    return placement.translation + surface.arm(placement.rotation, n)
 
 
 def contact_jacobian(
@@ -201,7 +256,7 @@ def contact_jacobian(
         >>> rr.contact_jacobian(robot.model, pin.neutral(robot.model), frame, robot.shell).shape
         (3, 8)
     """
-    rolling = RollingContact(model, frame_id, surface, normal)
+    rolling = RollingContact(model, frame_id, surface, Plane(normal))
     return rolling.evaluate(data or model.createData(), q, np.zeros(model.nv)).jacobian
 
 
@@ -227,152 +282,5 @@ def contact_drift(
         >>> rr.contact_drift(robot.model, q, v, frame, robot.shell).tolist()
         [0.0, 0.0, 0.0]
     """
-    rolling = RollingContact(model, frame_id, surface, normal)
+    rolling = RollingContact(model, frame_id, surface, Plane(normal))
     return rolling.evaluate(data or model.createData(), q, v).drift
-
-
-class KKTSystem(NamedTuple):
-    """M a - J^T f = tau - h,  J a = -gamma, as one symmetric matrix; f are the multipliers."""
-
-    matrix: Array
-    """[[M, J^T], [J, 0]], shape (nv + m, nv + m)"""
-    right: Array
-    """(tau - h, -gamma), shape (nv + m,)"""
-    nv: int
-
-
-class KKTSolution(NamedTuple):
-    """Acceleration and multipliers of a KKT system."""
-
-    acceleration: Array
-    """a (nv,)"""
-    multipliers: Array
-    """f (m,): J^T f is the generalised force of the constraints [N or N m]"""
-
-
-def kkt_build(mass: Array, bias: Array, tau: Array, *rows: ConstraintRows) -> KKTSystem:
-    """Assemble the KKT system of M a + h = tau + J^T f with J a + gamma = 0.
-
-    Args:
-        mass: M (nv, nv), symmetric positive definite.
-        bias: h = C v + G (nv,).
-        tau: applied generalised force (nv,).
-        *rows: constraints.
-
-    Example:
-        >>> import numpy as np, rrrobot as rr
-        >>> rows = rr.PrescribedJoints([0], nv=2).evaluate(np.zeros(2), np.zeros(1), np.ones(1))
-        >>> solution = rr.kkt_solve(rr.kkt_build(np.eye(2), np.zeros(2), np.zeros(2), rows))
-        >>> solution.acceleration.tolist(), solution.multipliers.tolist()
-        ([1.0, 0.0], [1.0])
-    """
-    nv = size = bias.shape[0]
-    for row in rows:
-        size += row.drift.shape[0]
-    matrix = np.zeros((size, size))
-    right = np.empty(size)
-    matrix[:nv, :nv] = mass
-    right[:nv] = tau - bias
-    at = nv
-    for jacobian, drift, _ in rows:
-        end = at + drift.shape[0]
-        matrix[at:end, :nv] = jacobian
-        matrix[:nv, at:end] = jacobian.T
-        right[at:end] = -drift
-        at = end
-    return KKTSystem(matrix, right, nv)
-
-
-def kkt_solve(system: KKTSystem) -> KKTSolution:
-    """Solve a KKT system.
-
-    Raises:
-        ConstraintError: it is singular: rows depend on each other.
-
-    Example:
-        >>> import numpy as np, rrrobot as rr
-        >>> free = rr.kkt_build(2 * np.eye(2), np.zeros(2), np.array([1.0, 0.0]))
-        >>> rr.kkt_solve(free).acceleration.tolist()
-        [0.5, 0.0]
-    """
-    # LAPACK's LU solve of the transpose, which is the same symmetric matrix in its memory order.
-    *_, solution, info = _lapack_solve()(system.matrix.T, system.right)
-    if info > 0:
-        raise ConstraintError(
-            "the KKT matrix is singular: constraint rows depend on each other, or a freedom has "
-            "no inertia. Leave a row out, or give every moving link a mass."
-        )
-    nv = system.nv
-    return KKTSolution(solution[:nv], -solution[nv:])
-
-
-@cache
-def _lapack_solve() -> Callable[..., tuple[Array, Array, Array, int]]:
-    """LAPACK's dgesv, a third of numpy.linalg.solve's time here. SciPy loads on first use."""
-    from scipy.linalg.lapack import dgesv
-
-    return dgesv
-
-
-def rolling_null_space(contact: Array, nv: int) -> Array:
-    """Closed-form basis N (nv, nv - 3) of the velocities of a free-flyer robot that roll.
-
-    v = N u with u = (omega_body, joint velocities): the base's linear velocity is x cross
-    omega, x = `contact` from the base's origin to the contact point in the base frame (3,) [m].
-
-    Example:
-        >>> import numpy as np, rrrobot as rr
-        >>> rr.rolling_null_space(np.array([0.0, 0.0, -0.12]), nv=8).shape
-        (8, 5)
-    """
-    basis = np.zeros((nv, nv - 3))
-    basis[3:] = np.eye(nv - 3)
-    basis[:3, :3] = skew(contact)
-    return basis
-
-
-def rolling_projector(contact: Array, nv: int) -> Array:
-    """Closed-form orthogonal projector P (nv, nv) onto the null space of the rolling rows.
-
-    P = I - J^T (J J^T)^-1 J. In the base frame J = (I, -[x], 0) with x = `contact` as in
-    `rolling_null_space`, so J J^T = (1 + |x|^2) I - x x^T, whose inverse is
-    (I + x x^T) / (1 + |x|^2). Lengths in metres and angles in radians count alike.
-
-    Example:
-        >>> import numpy as np, rrrobot as rr
-        >>> P = rr.rolling_projector(np.array([0.0, 0.0, -0.12]), nv=8)
-        >>> bool(np.allclose(P @ P, P)), round(np.trace(P))
-        (True, 5)
-    """
-    jacobian = np.zeros((3, nv))
-    jacobian[:, :3] = np.eye(3)
-    jacobian[:, 3:6] = -skew(contact)
-    inverse = (np.eye(3) + np.outer(contact, contact)) / (1.0 + contact @ contact)
-    return np.eye(nv) - jacobian.T @ inverse @ jacobian
-
-
-def projected_acceleration(
-    mass: Array, bias: Array, tau: Array, basis: Array, basis_rate_u: Array
-) -> Array:
-    """Acceleration (nv,) from the projected equations, without multipliers.
-
-    N^T M N u_dot = N^T (tau - h - M N_dot u),  a = N u_dot + N_dot u.
-
-    Args:
-        mass: M (nv, nv).
-        bias: h (nv,).
-        tau: applied generalised force (nv,).
-        basis: N (nv, nu), spanning the null space of J.
-        basis_rate_u: N_dot u (nv,).
-
-    Example:
-        >>> import numpy as np, rrrobot as rr
-        >>> along_x = np.array([[1.0], [0.0]])
-        >>> push = np.array([3.0, 5.0])
-        >>> a = rr.projected_acceleration(np.eye(2), np.zeros(2), push, along_x, np.zeros(2))
-        >>> a.tolist()
-        [3.0, 0.0]
-    """
-    reduced = basis.T @ mass @ basis
-    right = basis.T @ (tau - bias - mass @ basis_rate_u)
-    return basis @ np.linalg.solve(reduced, right) + basis_rate_u

@@ -27,12 +27,13 @@ def register(name: str) -> Callable[[type[T]], type[T]]:
 
     Example:
         >>> import rrrobot as rr
-        >>> @rr.register("my gait")
-        ... class MyGait(rr.StillLegs):
+        >>> from rrrobot.contact.surfaces import surface_from_dict
+        >>> @rr.register("egg")
+        ... class Egg(rr.Sphere):
         ...     def to_dict(self):
-        ...         return {"type": "my gait", "angle": self.angle.tolist()}
-        >>> rr.gait_from_dict(MyGait((1.0, 1.5)).to_dict()).angle.tolist()
-        [1.0, 1.5]
+        ...         return {"type": "egg", "radius": self.radius}
+        >>> surface_from_dict(Egg(0.2).to_dict())
+        Egg(radius=0.2)
     """
 
     def keep(cls: type[T]) -> type[T]:
@@ -70,4 +71,4 @@ def from_dict(data: Mapping[str, Any], family: type[T], what: str) -> T:
     own = getattr(cls, "from_dict", None)
     parts = {key: value for key, value in data.items() if key != "type"}
     made = own(parts) if own is not None else cls(**parts)
-    return made  # type: ignore[no-any-return]
+    return made

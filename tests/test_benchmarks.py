@@ -29,7 +29,7 @@ def test_errors_count_what_moves():
 
 
 def test_threads_give_the_same_bits():
-    setting, gaits = engine.setting_of(common.full_model()), engine.some_gaits(40, 2)
+    setting, gaits = engine.lower(common.full_model()), engine.some_gaits(40, 2)
     one = common.engine(setting, gaits, cycles=3, counted=2)
     np.testing.assert_array_equal(
         one, common.engine(setting, gaits, cycles=3, counted=2, threads=2, chunk=16)
@@ -83,7 +83,7 @@ def test_kane_loop_takes_the_means():
     start = starts("kinematics", common.impulsive_rates(PAPER_GAITS))
     run(PAPER_GAITS.offset, PAPER_GAITS.phase, start, 160, means)
     found = common.motion_of_means(means.transpose(1, 0, 2))
-    setting, gaits = engine.setting_of(common.full_model()), PAPER_GAITS.gaits()
+    setting, gaits = engine.lower(common.full_model()), PAPER_GAITS.gaits()
     ours = common.engine_motion(common.engine(setting, gaits, cycles=2, counted=2))
     np.testing.assert_allclose(found.speed, ours.speed, rtol=3e-4)
     np.testing.assert_allclose(found.yaw_rate, ours.yaw_rate, rtol=1e-3, atol=1e-4)
@@ -101,7 +101,7 @@ def test_mujoco_follows_the_robot(index):
     damping = common.KAPPA
     if case.free_joint:
         damping = common.rr.BodyRateDamping(*(common.KAPPA,) * 3)
-    setting = engine.setting_of(common.full_model(damping))
+    setting = engine.lower(common.full_model(damping))
     ours = common.engine_motion(common.engine(setting, PAPER_GAITS.gaits(), cycles=2, counted=2))
     loose = 0.6 if "condim 4" in case.name else 0.15
     np.testing.assert_allclose(run.motion.speed, ours.speed, rtol=loose)

@@ -113,7 +113,7 @@ def test_robots_are_the_library_s(circular, model_from):
 def test_pinocchio_alone_rolls_only_with_a_correction(circular):
     held = by_pinocchio(short(circular, 2, method="CONTACT_3D", frequency=500.0))
     free = by_pinocchio(short(circular, 2, method="CONTACT_3D"))
-    setting = common.setting_of(common.full_model())
+    setting = common.lower(common.full_model())
     gaits = common.PAPER_GAITS.take([1]).gaits()
     ours = common.engine_motion(common.engine(setting, gaits, cycles=2, counted=2))
     assert held["speed"] == pytest.approx(ours.speed[0], rel=0.02)

@@ -153,7 +153,7 @@ def test_gaits(args: tuple[str, ...], gait: rr.Gait | rr.LegTorques) -> None:
 @pytest.mark.parametrize("model", ["full", "pivoting", "roll", "pitch", "yaw", "decoupled"])
 def test_models(model: str) -> None:
     data = simulated(*SHORT, "--model", model)
-    assert data["model"]["name"] == model
+    assert data["model"]["type"] == model
     assert data["has_contact"] is (model not in ("pivoting", "yaw"))
     assert good("simulate", *SHORT, "--model", model).stdout.startswith("robot")
 
@@ -185,13 +185,14 @@ def test_parameters_of_rrrobot() -> None:
         for key, value in values.items()
     ]
     data = simulated(*SHORT, *args, "--ground-normal", "0", "0.1", "1")
-    robot = rr.Robot.from_parameters(rr.RRRobotParameters(**values), ground_normal=(0, 0.1, 1))
-    t = rr.simulate(rr.FullModel(robot), rr.gait("lateral"), 0.5)
+    robot = rr.Robot.from_parameters(rr.RRRobotParameters(**values))
+    model = rr.FullModel(robot, ground=rr.Plane((0, 0.1, 1)))
+    t = rr.simulate(model, rr.gait("lateral"), 0.5)
     assert data["end"]["position"] == t.position[-1].tolist()
 
 
 def test_urdf_is_the_same_robot() -> None:
-    urdf = ("--urdf", URDF, "--shell-radius", "0.12")
+    urdf = ("--urdf", URDF, "--shell-radius", "0.12", "--damping", "0.01")
     default, read = simulated(*SHORT), simulated(*SHORT, *urdf, "--legs", "leg_1,leg_2")
     assert read["end"]["position"] == pytest.approx(default["end"]["position"], abs=1e-12)
     one = simulated(*SHORT, *urdf, "--legs", "leg_2", "--offset", "1")

@@ -155,7 +155,16 @@ def test_decoupled_with_another_damping(tmp_path: Path) -> None:
 
 
 def test_robot_of_a_urdf() -> None:
-    args = ("--urdf", str(rr.urdf_path("rrrobot")), "--shell-radius", "0.12", "--offset", "1")
+    args = (
+        "--urdf",
+        str(rr.urdf_path("rrrobot")),
+        "--shell-radius",
+        "0.12",
+        "--offset",
+        "1",
+        "--damping",
+        "0.01",
+    )
     ours = data("--offset", "1", *SHORT)["fastest"]
     assert data(*args, *SHORT)["fastest"] == ours
 

@@ -11,8 +11,8 @@ from tests.random_robot import random_robot, random_state
 SHELLS = {
     "sphere": {},
     "ellipsoid": {"shell": rr.Ellipsoid((0.35, 0.3, 0.27))},
-    "tilted ground": {"ground_normal": (0.2, -0.1, 1.0)},
-    "tilted ellipsoid": {"shell": rr.Ellipsoid((0.3, 0.4, 0.35)), "ground_normal": (-0.3, 0.2, 1)},
+    "tilted ground": {"normal": (0.2, -0.1, 1.0)},
+    "tilted ellipsoid": {"shell": rr.Ellipsoid((0.3, 0.4, 0.35)), "normal": (-0.3, 0.2, 1)},
 }
 
 
@@ -23,19 +23,21 @@ def integrate(model, q, v, a, t):
 
 @pytest.fixture(params=SHELLS)
 def case(request):
-    robot = random_robot(3, **SHELLS[request.param])
+    options = dict(SHELLS[request.param])
+    ground = rr.Plane(options.pop("normal", (0.0, 0.0, 1.0)))
+    robot = random_robot(3, **options)
     model = robot.model
     rng = np.random.default_rng(7)
     q = pin.integrate(model, pin.neutral(model), rng.normal(size=model.nv))
-    return robot, q, rng.normal(size=model.nv), rng.normal(size=model.nv)
+    return robot, ground, q, rng.normal(size=model.nv), rng.normal(size=model.nv)
 
 
 def test_jacobian_gives_the_velocity_of_the_material_contact_point(case):
-    robot, q, v, _ = case
+    robot, ground, q, v, _ = case
     model, data = robot.model, robot.model.createData()
     frame = model.getFrameId(SHELL_FRAME)
-    rolling = rr.RollingContact.of(robot)
-    contact = rr.contact_point(model, q, frame, robot.shell, robot.ground_normal)
+    rolling = rr.RollingContact.of(robot, ground)
+    contact = rr.contact_point(model, q, frame, robot.shell, ground.normal_vector)
     pin.forwardKinematics(model, data, q)
     placement = pin.updateFramePlacement(model, data, frame).copy()
     on_body = placement.actInv(contact)
@@ -51,8 +53,8 @@ def test_jacobian_gives_the_velocity_of_the_material_contact_point(case):
 
 
 def test_drift_is_the_rate_of_the_residual(case):
-    robot, q, v, a = case
-    rolling, data = rr.RollingContact.of(robot), robot.model.createData()
+    robot, ground, q, v, a = case
+    rolling, data = rr.RollingContact.of(robot, ground), robot.model.createData()
 
     def residual(t):
         return rolling.evaluate(data, *integrate(robot.model, q, v, a, t)).residual.copy()
@@ -65,8 +67,8 @@ def test_drift_is_the_rate_of_the_residual(case):
 
 def test_drift_of_a_body_fixed_contact_point_would_be_wrong(case):
     """The trap: adding Omega x (Omega x rho), as for a point fixed to the body."""
-    robot, q, v, _ = case
-    rolling, data = rr.RollingContact.of(robot), robot.model.createData()
+    robot, ground, q, v, _ = case
+    rolling, data = rr.RollingContact.of(robot, ground), robot.model.createData()
     rows = rolling.evaluate(data, q, v)
     omega = pin.getFrameVelocity(
         robot.model, data, rolling.frame_id, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -85,8 +87,8 @@ def test_drift_of_a_body_fixed_contact_point_would_be_wrong(case):
 
 
 def test_holonomic_row_is_the_rate_of_the_height(case):
-    robot, q, v, _ = case
-    rolling, data = rr.RollingContact.of(robot), robot.model.createData()
+    robot, ground, q, v, _ = case
+    rolling, data = rr.RollingContact.of(robot, ground), robot.model.createData()
 
     def height(t):
         rolling.evaluate(data, pin.integrate(robot.model, q, v * t), v)
@@ -105,12 +107,13 @@ def test_plain_functions_are_the_class():
     frame = model.getFrameId(SHELL_FRAME)
     q = pin.integrate(model, pin.neutral(model), np.linspace(-1, 1, model.nv))
     v = np.linspace(1, 2, model.nv)
-    rows = rr.RollingContact.of(robot).evaluate(model.createData(), q, v)
+    rolling = rr.RollingContact.of(robot, rr.Plane((0.1, 0.2, 1.0)))
+    rows = rolling.evaluate(model.createData(), q, v)
     np.testing.assert_array_equal(
-        rr.contact_jacobian(model, q, frame, robot.shell, robot.ground_normal), rows.jacobian
+        rr.contact_jacobian(model, q, frame, robot.shell, (0.1, 0.2, 1.0)), rows.jacobian
     )
     np.testing.assert_array_equal(
-        rr.contact_drift(model, q, v, frame, robot.shell, robot.ground_normal), rows.drift
+        rr.contact_drift(model, q, v, frame, robot.shell, (0.1, 0.2, 1.0)), rows.drift
     )
 
 
@@ -165,8 +168,10 @@ def test_projector_and_null_space(seed):
 @pytest.mark.parametrize("seed", range(10))
 @pytest.mark.parametrize("shell", SHELLS)
 def test_kkt_projection_and_pinocchio_agree(seed, shell):
-    robot = random_robot(seed, **SHELLS[shell])
-    model = rr.FullModel(robot, damping=None)
+    options = dict(SHELLS[shell])
+    ground = rr.Plane(options.pop("normal", (0.0, 0.0, 1.0)))
+    robot = random_robot(seed, **options)
+    model = rr.FullModel(robot, ground=ground, damping=None)
     pose, omega, angle, rate = random_state(robot, seed)
     q, v = model.configuration(pose, angle), model.velocity(pose, omega, rate)
     torque = np.random.default_rng(seed).normal(size=robot.n_legs)
@@ -214,7 +219,9 @@ def test_prescribed_joints_move_as_told_and_their_torques_do_it():
 
 
 def test_dependent_rows_are_refused():
-    rows = rr.PrescribedJoints([0], nv=2).evaluate(np.zeros(2), np.zeros(1), np.ones(1))
+    rows = rr.PrescribedJoints([0], nv=2).evaluate(
+        None, None, np.zeros(2), legs=rr.LegMotion(np.zeros(1), np.zeros(1), np.ones(1))
+    )
     system = rr.kkt_build(np.eye(2), np.zeros(2), np.zeros(2), rows, rows)
     with pytest.raises(rr.ConstraintError, match="singular"):
         rr.kkt_solve(system)

@@ -105,7 +105,13 @@ def test_inverse_dynamics_of_a_full_motion_find_its_forces(
         angular.append(np.linalg.solve(B, alpha - B_rate @ rates))
         states.append(np.concatenate([euler, rates, rolled.position[i]]))
     again = _recombine(
-        robot, rolled.time, np.array(states), np.array(angular), GAIT(rolled.time), {"model": {}}
+        robot,
+        rolled.ground,
+        rolled.time,
+        np.array(states),
+        np.array(angular),
+        GAIT(rolled.time),
+        {"model": {}},
     )
     assert np.abs(again.contact_force - rolled.contact_force).max() < 1e-11
     assert np.abs(again.leg_torque - rolled.leg_torque).max() < 1e-12

@@ -173,9 +173,10 @@ def test_missing_quantity_is_said(run: rr.Trajectory) -> None:
 def test_slope_and_sliding_legs() -> None:
     urdf = rr.Robot.from_parameters().urdf.replace("continuous", "prismatic")
     urdf = urdf.replace('type="revolute"', 'type="prismatic"')
-    robot = rr.Robot.from_urdf(urdf, shell=rr.Sphere(0.12), ground_normal=(0, 0.1, 1))
+    robot = rr.Robot.from_urdf(urdf, shell=rr.Sphere(0.12))
     gait = rr.SinusoidalGait(offset=0.0, amplitude=0.01, angular_frequency=8.0)
-    t = rr.simulate(rr.FullModel(robot), gait, duration=0.3)
+    model = rr.FullModel(robot, ground=rr.Plane((0, 0.1, 1)), damping=0.01)
+    t = rr.simulate(model, gait, duration=0.3)
     ax = t.plot("legs")
     assert (ax.get_ylabel(), twin(ax).get_ylabel()) == ("leg position [mm]", "force [N]")
     np.testing.assert_array_equal(curve(ax, "leg_1")[1], 1000 * t.leg_angle[:, 0])

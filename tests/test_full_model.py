@@ -7,6 +7,7 @@ import pinocchio as pin
 import pytest
 
 import rrrobot as rr
+from rrrobot.paper import paper_equations
 from rrrobot.rotations import body_rates_matrix, body_rates_matrix_rate, rotation_from_quaternion
 from tests import derivations
 from tests.random_robot import random_robot, random_state
@@ -70,8 +71,8 @@ def test_against_point_mass_kane(masses, driven):
 
 def test_support_force_is_newtons(robot):
     """The contact multipliers equal the rate of the momentum less the weight."""
-    for case in (robot, random_robot(4, ground_normal=(0.1, 0.2, 1.0))):
-        model = rr.FullModel(case)
+    for case, normal in ((robot, (0, 0, 1)), (random_robot(4), (0.1, 0.2, 1.0))):
+        model = rr.FullModel(case, ground=rr.Plane(normal), damping=0.01)
         pose, omega, angle, rate = random_state(case, 3)
         found = model.dynamics(pose, omega, rr.LegMotion(angle, rate, np.ones(case.n_legs)))
         by_newton = model.support_force(found.q, found.v, found.acceleration)
@@ -101,7 +102,7 @@ def test_equation_1_holds_along_a_trajectory(robot):
     t = rr.simulate(model, gait, duration=3.0, sample_interval=0.1)
     for i in range(len(t)):
         q, q_dot = paper_state(t, i)
-        terms = model.paper_equations(q, q_dot)
+        terms = paper_equations(model, q, q_dot)
         pose = np.concatenate((t.configuration[i, 3:7], t.position[i]))
         w = t.velocity[i, 3:6]
         found = model.dynamics(pose, w, gait(t.time[i]))
@@ -130,7 +131,7 @@ def test_equation_5_as_printed_does_not_roll(robot):
     model = rr.FullModel(robot)
     t = rr.simulate(model, rr.gait("circular"), duration=1.0)
     q, q_dot = paper_state(t, -1)
-    omega = model.paper_equations(q, q_dot).omega
+    omega = paper_equations(model, q, q_dot).omega
     printed = omega.copy()
     printed[1, 2] = robot.shell.radius * np.cos(q[2]) * np.cos(q[4])
     assert abs(omega[1] @ q_dot) < 1e-14
@@ -142,13 +143,13 @@ def test_paper_coordinates_mass_and_coriolis(robot):
     rng = np.random.default_rng(0)
     for _ in range(10):
         q, q_dot = rng.uniform(-1, 1, 7), rng.normal(size=7)
-        terms = model.paper_equations(q, q_dot)
+        terms = paper_equations(model, q, q_dot)
         np.testing.assert_allclose(terms.mass_matrix, terms.mass_matrix.T, atol=1e-14)
         assert np.linalg.eigvalsh(terms.mass_matrix).min() > 0
         h = 1e-4
 
         def mass(s, q=q, q_dot=q_dot):
-            return model.paper_equations(q + s * q_dot, q_dot).mass_matrix
+            return paper_equations(model, q + s * q_dot, q_dot).mass_matrix
 
         rate = (8 * (mass(h) - mass(-h)) - (mass(2 * h) - mass(-2 * h))) / (12 * h)
         skew = rate - 2 * terms.coriolis
@@ -177,10 +178,11 @@ def test_free_flyer_equations(robot):
 
 
 def test_paper_coordinates_need_the_papers_robot():
-    for robot in (random_robot(0), rr.Robot.from_parameters(ground_normal=(0.1, 0, 1))):
-        with pytest.raises(rr.ModelError, match="paper's coordinates"):
-            n = 5 + robot.n_legs
-            rr.FullModel(robot).paper_equations(np.zeros(n), np.zeros(n))
+    slope = rr.FullModel(rr.Robot.from_parameters(), ground=rr.Plane((0.1, 0, 1)))
+    for model, why in ((rr.FullModel(random_robot(0)), "centre"), (slope, "level ground")):
+        with pytest.raises(rr.ModelError, match=why):
+            n = 5 + model.n_legs
+            paper_equations(model, np.zeros(n), np.zeros(n))
 
 
 def test_body_rate_damping_takes_its_power(robot):
@@ -215,8 +217,8 @@ def test_ball_on_an_incline_has_the_textbook_acceleration():
         "</inertial></link></robot>"
     )
     normal = (np.sin(beta), 0.0, np.cos(beta))
-    robot = rr.Robot.from_urdf(ball, shell=rr.Sphere(r), ground_normal=normal)
-    model = rr.FullModel(robot, damping=None)
+    robot = rr.Robot.from_urdf(ball, shell=rr.Sphere(r))
+    model = rr.FullModel(robot, ground=rr.Plane(normal))
     t = rr.simulate(model, rr.StillLegs([]), duration=2.0, sample_interval=0.5, start="rest")
     travelled = 0.5 * 9.81 * np.sin(beta) / 1.4 * t.time**2
     np.testing.assert_allclose(t.position[:, 0], travelled, atol=1e-9)

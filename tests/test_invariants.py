@@ -96,21 +96,23 @@ def test_power_balance_of_rrrobot(robot, damping):
     [
         {},
         {"shell": rr.Ellipsoid((0.35, 0.3, 0.27))},
-        {"ground_normal": (0.05, -0.02, 1.0)},
-        {"shell": rr.Ellipsoid((0.3, 0.36, 0.4)), "ground_normal": (0.02, 0.05, 1.0)},
+        {"normal": (0.05, -0.02, 1.0)},
+        {"shell": rr.Ellipsoid((0.3, 0.36, 0.4)), "normal": (0.02, 0.05, 1.0)},
     ],
     ids=["sphere", "ellipsoid", "slope", "ellipsoid on a slope"],
 )
 def test_random_tree_of_twelve_joints(options):
+    options = dict(options)
+    ground = rr.Plane(options.pop("normal", (0, 0, 1)))
     robot = random_robot(8, **options)
-    model = rr.FullModel(robot, damping=rr.BodyRateDamping(0.3, 0.3, 0.3))
+    model = rr.FullModel(robot, ground=ground, damping=rr.BodyRateDamping(0.3, 0.3, 0.3))
     error, t = power_balance(model, wiggle(12), duration=2.0)
     assert error < 1e-7
     assert t.slip.max() < 1e-12 and np.abs(t.height_error).max() < 1e-12
     assert np.ptp(t.euler, axis=0).max() > 0.05
 
     # Legs held, nothing lost: the energy stays.
-    free = rr.FullModel(robot, damping=None)
+    free = rr.FullModel(robot, ground=ground, damping=None)
     still = rr.StillLegs(np.zeros(12))
     t = rr.simulate(free, still, 3.0, euler=(0.3, -0.2, 0.1), start=(0.3, 0.2, -0.1))
     assert np.ptp(t.energy) < 1e-9 * abs(t.energy).max()

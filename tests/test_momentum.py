@@ -10,8 +10,8 @@ from rrrobot.momentum.batch import (
     FourierGaits,
     Gaits,
     decoupled_setting,
+    lower,
     ready,
-    setting_of,
     settled,
     steady_states,
 )
@@ -19,7 +19,7 @@ from rrrobot.momentum.coefficients import coefficients
 from rrrobot.momentum.compiled import in_cache
 from rrrobot.momentum.extremes import extremes
 from rrrobot.momentum.kernels import LANES, LIFT_OFF, OK, VERTICAL
-from rrrobot.momentum.setting import VERTICAL as SINE_LIMIT
+from rrrobot.momentum.lowering import VERTICAL as SINE_LIMIT
 from tests.random_robot import random_robot
 
 ODD = rr.RRRobotParameters(
@@ -124,7 +124,7 @@ def test_given_starts_and_continuation():
 @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.name)
 def test_steady_states_are_those_of_the_trajectories(model):
     kind = model(rr.Robot.from_parameters())
-    table = steady_states(setting_of(kind), gaits([np.pi / 2, np.pi / 4], np.pi / 2), **COUNTS)
+    table = steady_states(lower(kind), gaits([np.pi / 2, np.pi / 4], np.pi / 2), **COUNTS)
     for row, name in zip(table, ("lateral", "circular"), strict=True):
         s = rr.simulate(kind, rr.gait(name), 30.0, 0.02, method="momentum").steady_state()
         found = dict(zip(RESULT, row, strict=True))
@@ -158,7 +158,7 @@ def test_decoupled_lanes_are_the_decoupled_trajectory():
 
 
 def test_lanes_do_not_depend_on_each_other():
-    setting = setting_of(rr.FullModel(rr.Robot.from_parameters()))
+    setting = lower(rr.FullModel(rr.Robot.from_parameters()))
     many = gaits(np.linspace(0.5, 2.5, 2 * LANES + 3), 1.0)
     together = steady_states(setting, many, **COUNTS)
     for k in (0, LANES, 2 * LANES + 2):
@@ -167,7 +167,7 @@ def test_lanes_do_not_depend_on_each_other():
 
 
 def test_ten_steps_a_cycle_give_the_speed():
-    setting = setting_of(rr.FullModel(rr.Robot.from_parameters()))
+    setting = lower(rr.FullModel(rr.Robot.from_parameters()))
     plane = gaits(np.linspace(0.3, 2.8, 9)[:, None], np.linspace(0.4, 5.8, 7))
     rough = steady_states(setting, plane, **COUNTS)
     fine = steady_states(setting, plane, **(COUNTS | {"steps_per_cycle": 40}))
@@ -178,7 +178,7 @@ def test_ten_steps_a_cycle_give_the_speed():
 
 def test_the_plane_of_the_notes():
     """v peaks near 9.7 mm/s; alpha changes sign across offset pi/2 and phase difference pi."""
-    setting = setting_of(rr.FullModel(rr.Robot.from_parameters()))
+    setting = lower(rr.FullModel(rr.Robot.from_parameters()))
     offsets, phases = np.linspace(0, np.pi, 13), np.linspace(0, 2 * np.pi, 13)
     table = steady_states(setting, gaits(offsets[:, None], phases), **COUNTS)
     speed, alpha = (table[:, k].reshape(13, 13) for k in (0, 3))
@@ -189,7 +189,7 @@ def test_the_plane_of_the_notes():
 
 
 def test_a_lane_at_the_vertical_is_flagged_and_others_are_untouched():
-    setting = setting_of(rr.FullModel(rr.Robot.from_parameters()))
+    setting = lower(rr.FullModel(rr.Robot.from_parameters()))
     calm = gaits([1.0, 1.0, 1.0], 1.0)
     wild = Gaits(*(array.copy() for array in calm))
     wild.amplitude[1], wild.angular_frequency[1] = 2.5, 6.5
@@ -200,7 +200,7 @@ def test_a_lane_at_the_vertical_is_flagged_and_others_are_untouched():
 
 def test_normal_force_and_lift_off():
     model = rr.FullModel(rr.Robot.from_parameters())
-    setting = setting_of(model)
+    setting = lower(model)
     rows = steady_states(setting, gaits([np.pi / 2, np.pi / 4], np.pi / 2), **COUNTS)
     for row, name in zip(rows, ("lateral", "circular"), strict=True):
         t = rr.simulate(model, rr.gait(name), 30.0, method="momentum")
@@ -247,7 +247,7 @@ def engine_loads(model, gait, cycles, steps):
     some = Gaits(*(np.atleast_2d(part) for part in (gait.offset, gait.amplitude, gait.phase)),
                  gait.angular_frequency[:1])  # fmt: skip
     row = steady_states(
-        setting_of(model), some, cycles=cycles, counted=2, steps_per_cycle=steps, loads=True
+        lower(model), some, cycles=cycles, counted=2, steps_per_cycle=steps, loads=True
     )[0]
     return dict(zip((*RESULT, *LOADS), row, strict=True))
 
@@ -294,14 +294,14 @@ def test_loads_of_decoupled_and_of_stopped_lanes_are_none():
     assert rows.shape[1] == len(RESULT) + len(LOADS)
     assert np.isnan(rows[:, len(RESULT) :]).all() and np.isfinite(rows[:, 0]).all()
     calm.amplitude[1], calm.angular_frequency[1] = 2.5, 6.5
-    setting = setting_of(rr.FullModel(rr.Robot.from_parameters()))
+    setting = lower(rr.FullModel(rr.Robot.from_parameters()))
     rows = steady_states(setting, calm, loads=True, **COUNTS)
     assert np.isfinite(rows[0]).all() and np.isnan(rows[1, len(RESULT) :]).all()
     np.testing.assert_array_equal(rows[:, : len(RESULT)], steady_states(setting, calm, **COUNTS))
 
 
 def test_loads_do_not_depend_on_other_lanes():
-    setting = setting_of(rr.FullModel(rr.Robot.from_parameters()))
+    setting = lower(rr.FullModel(rr.Robot.from_parameters()))
     many = gaits(np.linspace(0.5, 2.5, LANES + 3), 1.0)
     together = steady_states(setting, many, loads=True, **COUNTS)
     for k in (0, LANES, LANES + 2):
@@ -312,7 +312,7 @@ def test_loads_do_not_depend_on_other_lanes():
 
 
 def test_lanes_of_unlike_length_do_not_depend_on_each_other():
-    setting = setting_of(rr.FullModel(rr.Robot.from_parameters()))
+    setting = lower(rr.FullModel(rr.Robot.from_parameters()))
     rng = np.random.default_rng(4)
     n = LANES + 5
     some = FourierGaits(
@@ -338,7 +338,7 @@ def test_the_vertical_between_two_steps_is_seen():
     """A pitch of more than 89.5 degrees for 1/50 of a step, at no step."""
     model = rr.FullModel(rr.Robot.from_parameters())
     free = rr.FullModel(model.robot, damping=rr.BodyRateDamping(0.01, 0.01, 0.01))
-    setting, steps = setting_of(free), 16
+    setting, steps = lower(free), 16
     some = gaits([np.pi / 2], 0.0)
     some.angular_frequency[:] = 6.0
     low, high = 0.3, 2.0
@@ -376,7 +376,7 @@ def test_the_largest_pitch_is_that_of_a_trajectory():
             gait.offset[None], (gait.amplitude * np.cos(gait.phase))[None, None],
             (gait.amplitude * np.sin(gait.phase))[None, None], gait.angular_frequency[:1],
         )  # fmt: skip
-        found = settled(setting_of(model), some, cycles=np.array([6]), counted=2, steps=10)
+        found = settled(lower(model), some, cycles=np.array([6]), counted=2, steps=10)
         assert found.pitch[0] == pytest.approx(np.abs(t.euler[:, 1]).max(), rel=2e-4)
 
 
@@ -394,7 +394,7 @@ def test_what_is_compiled_is_known(tmp_path):
 
     assert not in_cache(njit(twice)) or not njit(twice).signatures
     steady_states(
-        setting_of(rr.FullModel(rr.Robot.from_parameters())),
+        lower(rr.FullModel(rr.Robot.from_parameters())),
         gaits([1.0], 1.0),
         **COUNTS,
         loads=True,
@@ -419,9 +419,9 @@ def test_what_is_compiled_is_known(tmp_path):
 
 
 def test_what_the_engine_cannot_do_is_told():
-    robot = rr.Robot.from_parameters(ground_normal=(0.1, 0, 1))
+    slope = rr.FullModel(rr.Robot.from_parameters(), ground=rr.Plane((0.1, 0, 1)))
     with pytest.raises(rr.ModelError, match="level ground"):
-        rr.simulate(rr.FullModel(robot), rr.gait("lateral"), 1.0, method="momentum")
+        rr.simulate(slope, rr.gait("lateral"), 1.0, method="momentum")
     torques = rr.LegTorques((0.0, 0.0), angle=(1.5, 1.5))
     level = rr.FullModel(rr.Robot.from_parameters())
     with pytest.raises(rr.GaitError, match="prescribed"):
@@ -443,3 +443,36 @@ def test_pole_stop_and_interrupt_keep_what_was_computed():
     with pytest.raises(rr.SimulationInterrupted) as halted:
         rr.simulate(model, rr.gait("lateral"), 60.0, method="momentum", progress=interrupt)
     assert 6.0 < halted.value.trajectory.time[-1] < 60.0
+
+
+def test_what_derives_from_a_known_model_is_not_taken_for_it():
+    """The engine's equations are those of the very classes that it knows."""
+
+    class Sticky(rr.FullModel):
+        def damping_force(self, place, quasi):
+            return -1.0 * super().damping_force(place, quasi)
+
+    class Quadratic(rr.BodyRateDamping):
+        def moment(self, roll, pitch, omega_body):
+            return -0.01 * np.abs(omega_body) * omega_body
+
+    class Egg(rr.Sphere):
+        def contact(self, u):
+            return 1.1 * super().contact(u)
+
+    class Ramp(rr.Plane):
+        def point(self, coordinates):
+            return super().point(coordinates) + 1.0
+
+    robot = rr.Robot.from_parameters()
+    egg = rr.Robot.from_urdf(rr.urdf_path(), shell=Egg(0.12))
+    for model, name in (
+        (Sticky(robot), "Sticky"),
+        (rr.FullModel(robot, damping=Quadratic()), "Quadratic"),
+        (rr.FullModel(egg), "spherical shell"),
+        (rr.FullModel(robot, ground=Ramp()), "level ground"),
+    ):
+        with pytest.raises(rr.ModelError, match=name):
+            rr.simulate(model, rr.gait("lateral"), 1.0, method="momentum")
+        with pytest.raises(rr.ModelError, match=name):
+            rr.sweep(model, offset=1.0, progress=False)

@@ -13,7 +13,7 @@ import rrrobot as rr
 from rrrobot.drive.gaits import FourierGait, SinusoidalGait
 from rrrobot.figures.pareto import pareto
 from rrrobot.models.base import Model
-from rrrobot.momentum.batch import Gaits, setting_of, steady_states
+from rrrobot.momentum.batch import Gaits, lower, steady_states
 from rrrobot.momentum.coefficients import coefficients
 from rrrobot.momentum.forces import bodies
 from rrrobot.momentum.loads import TORQUE, loads, n_signals
@@ -82,7 +82,7 @@ def population(n: int, harmonics: int = 1, legs: int = 2, seed: int = 0) -> Popu
 def test_forces_and_torques_equal_the_kkt_systems(make) -> None:
     """At random states, by recursive Newton-Euler here and by Pinocchio and a KKT solve there."""
     model: Model = make()
-    robot, setting = model.robot, setting_of(model)
+    robot, setting = model.robot, lower(model)
     rng = np.random.default_rng(1)
     n, sine = robot.n_legs, rng.normal(size=(2, robot.n_legs))
     gait = FourierGait(
@@ -158,7 +158,7 @@ def test_the_fastest_lateral_gait_is_that_of_a_brute_force_grid(model: rr.FullMo
         np.column_stack((np.zeros(n), phase.ravel())),
         np.full(n, 8.0),
     )
-    grid = steady_states(setting_of(model), gaits, cycles=34, counted=3, steps_per_cycle=10)
+    grid = steady_states(lower(model), gaits, cycles=34, counted=3, steps_per_cycle=10)
     top = grid[:, 0].max()
     assert top <= best.value < 1.01 * top
     assert best.value == pytest.approx(0.0097, abs=5e-5)
@@ -406,7 +406,7 @@ def test_models_that_do_not_fit_are_told(model: rr.FullModel) -> None:
         optimise(rr.PivotingModel(robot), "fastest", limits=GaitLimits(friction=0.2))
     with pytest.raises(rr.ModelError, match="give a model"):
         optimise(robot, "fastest")  # type: ignore[arg-type]
-    slope = rr.FullModel(rr.Robot.from_parameters(ground_normal=(0.1, 0.0, 1.0)))
+    slope = rr.FullModel(model.robot, ground=rr.Plane((0.1, 0.0, 1.0)))
     with pytest.raises(rr.ModelError, match="level ground"):
         optimise(slope, "fastest")
     with pytest.raises(rr.ParameterError, match="in metres"):

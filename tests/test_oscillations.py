@@ -207,11 +207,12 @@ def test_an_unstable_rest_grows() -> None:
     assert math.isfinite(rr.modes(model, (-1.0, -1.0))[0].period)
 
 
-def ball(ground_normal: tuple[float, float, float], drop: float) -> rr.Robot:
+def ball(normal: tuple[float, float, float], drop: float) -> rr.FullModel:
     urdf = f"""<robot name="ball"><link name="shell"><inertial><origin xyz="0 0 {-drop}"/>
       <mass value="1"/><inertia ixx="0.01" iyy="0.01" izz="0.01" ixy="0" ixz="0" iyz="0"/>
     </inertial></link></robot>"""
-    return rr.Robot.from_urdf(urdf, shell=rr.Sphere(0.2), ground_normal=ground_normal)
+    robot = rr.Robot.from_urdf(urdf, shell=rr.Sphere(0.2))
+    return rr.FullModel(robot, ground=rr.Plane(normal))
 
 
 def test_no_rest_is_an_error() -> None:
@@ -220,16 +221,16 @@ def test_no_rest_is_an_error() -> None:
     slope = (math.sin(0.2), 0.0, math.cos(0.2))
     for drop in (0.0, 0.03):
         with pytest.raises(rr.ModelError, match="no rest was found"):
-            rr.equilibrium(rr.FullModel(ball(slope, drop)), [])
+            rr.equilibrium(ball(slope, drop), [])
         with pytest.raises(rr.ModelError, match="no rest was found"):
-            rr.modes(rr.FullModel(ball(slope, drop)), [])
-    tilted = rr.equilibrium(rr.FullModel(ball(slope, 0.1)), [])
+            rr.modes(ball(slope, drop), [])
+    tilted = rr.equilibrium(ball(slope, 0.1), [])
     turn = Rotation.from_quat(tilted[:4]).magnitude()
     assert turn == pytest.approx(math.asin(0.2 * math.sin(0.2) / 0.1), abs=1e-10)
 
 
 def test_a_balanced_ball_on_level_ground_rests_anywhere() -> None:
-    model = rr.FullModel(ball((0.0, 0.0, 1.0), 0.0), damping=None)
+    model = ball((0.0, 0.0, 1.0), 0.0)
     assert rr.equilibrium(model, []).tolist() == [0, 0, 0, 1, 0, 0]
     assert [m.eigenvalue for m in rr.modes(model, [])] == [0] * 6
 

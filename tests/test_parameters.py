@@ -16,7 +16,14 @@ from tests.strategies import examples
 
 PER_LEG = ("leg_mass", "servo_mass", "leg_length")
 POSITIVE = (*PER_LEG, "battery_mass", "shell_radius", "hip_offset")
-UNITS = {"mass": "kg", "length": "m", "radius": "m", "offset": "m", "gravity": "m/s^2"}
+UNITS = {
+    "mass": "kg",
+    "length": "m",
+    "radius": "m",
+    "offset": "m",
+    "gravity": "m/s^2",
+    "damping": "N m s/rad",
+}
 
 
 def make(name: str, value: Any) -> rr.RRRobotParameters:
@@ -28,7 +35,7 @@ def make(name: str, value: Any) -> rr.RRRobotParameters:
 def test_defaults_are_table_2():
     p = rr.RRRobotParameters()
     table = {"leg_mass": 0.057, "servo_mass": 0.053, "battery_mass": 0.3, "shell_radius": 0.12,
-             "leg_length": 0.1, "hip_offset": 0.12, "gravity": 9.81}  # fmt: skip
+             "leg_length": 0.1, "hip_offset": 0.12, "gravity": 9.81, "damping": 0.01}  # fmt: skip
     assert p.to_dict() == table
     assert p.total_mass == pytest.approx(0.52, abs=1e-15)
     assert p.ground_clearance == pytest.approx(0.02, abs=1e-15)
@@ -36,11 +43,11 @@ def test_defaults_are_table_2():
 
 
 @pytest.mark.parametrize("value", [-0.1, -math.inf, math.inf, math.nan])
-@pytest.mark.parametrize("name", [*POSITIVE, "gravity"])
+@pytest.mark.parametrize("name", [*POSITIVE, "gravity", "damping"])
 def test_out_of_range(name, value):
     with pytest.raises(rr.ParameterError) as caught:
         make(name, value)
-    rule = "at least zero" if name == "gravity" else "greater than zero"
+    rule = "at least zero" if name in ("gravity", "damping") else "greater than zero"
     unit = UNITS[name.rsplit("_", maxsplit=1)[-1]]
     assert str(caught.value) == f"{name} is {value!r} {unit}: it must be {rule} and finite."
     assert isinstance(caught.value, ValueError)
@@ -67,7 +74,7 @@ def test_not_a_number(name, value):
         make(name, value)
 
 
-@pytest.mark.parametrize("name", [*POSITIVE, "gravity"])
+@pytest.mark.parametrize("name", [*POSITIVE, "gravity", "damping"])
 def test_too_large_for_a_float(name):
     with pytest.raises(rr.ParameterError, match=rf"^{name} is too large.*finite"):
         make(name, 10**400)

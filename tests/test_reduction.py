@@ -11,7 +11,6 @@ from rrrobot.reduction.checks import (
     controllability,
     path_controllability,
     reducibility,
-    weightless,
 )
 from rrrobot.reduction.connection import Connection, rotation_connection
 from rrrobot.reduction.cycles import optimal_cycle
@@ -196,11 +195,11 @@ def test_which_models_reduce(robot, kind, weightless_too):
     assert found.reducible == (kind is rr.YawModel)
     assert (found.gravity > 1) == (kind is not rr.YawModel)
     assert ("gravity" in found.reasons[0]) == (kind is not rr.YawModel)
-    free = reducibility(kind(weightless(robot), damping=None))
+    free = reducibility(kind(robot, ground=rr.Plane(gravity=0.0), damping=None))
     assert free.reducible == weightless_too
     assert free.gravity == 0
     assert (free.inertia > 1e-3) == (not weightless_too)
-    damped = reducibility(kind(weightless(robot), damping=0.01))
+    damped = reducibility(kind(robot, ground=rr.Plane(gravity=0.0), damping=0.01))
     assert not damped.reducible and "damping" in " ".join(damped.reasons)
 
 
@@ -210,7 +209,7 @@ def test_dynamics_at_any_time_scaling(robot, kind, same):
 
     A leg that moves and stops leaves the rolling body turning, at an attitude that depends on how.
     """
-    model = kind(weightless(robot), damping=None)
+    model = kind(robot, ground=rr.Plane(gravity=0.0), damping=None)
     ends = []
     for ramp, duration in ((0.5, 1.2), (0.1, 0.5)):
         move = Straight(

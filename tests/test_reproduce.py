@@ -190,10 +190,6 @@ def test_command(tmp_path: Path) -> None:
     assert result.exit_code == 1 and "cannot make the folder" in result.output
 
 
-def test_every_figure_of_the_paper_has_a_function() -> None:
-    assert all(getattr(paper, f"fig_{i}").__doc__ for i in range(1, 23))
-
-
 def test_figures_take_another_robot() -> None:
     other = rr.Robot.from_parameters(rr.RRRobotParameters(leg_mass=0.08, leg_length=0.09))
     shop = Workshop(quick=True, robot=other)

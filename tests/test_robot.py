@@ -3,6 +3,7 @@
 import copy
 import json
 import pickle
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -58,7 +59,8 @@ def test_from_parameters():
 def test_from_urdf_takes_a_path_a_string_and_text():
     path = rr.urdf_path()
     robots = [rr.Robot.from_urdf(s, shell=SHELL) for s in (path, str(path), path.read_text())]
-    assert robots[0] == robots[1] == robots[2] == rr.Robot.from_parameters()
+    own = replace(rr.Robot.from_parameters(), parameters=None)
+    assert robots[0] == robots[1] == robots[2] == own
 
 
 def test_legs_are_pinocchios_unless_given():
@@ -213,12 +215,11 @@ def test_bad_shell_center(center):
 
 @given(directions().filter(lambda n: n[2] > 0.01))
 @examples(10)
-def test_ground_normal_is_made_unit(normal):
+def test_normal_is_made_unit(normal):
     for scale in (1.0, 1e-200, 1e200):
-        robot = rr.Robot.from_parameters(ground_normal=scale * normal)
-        np.testing.assert_allclose(robot.ground_normal, normal, atol=1e-15)
-    assert not robot.ground_normal.flags.writeable
-    np.testing.assert_array_equal(robot.model.gravity.linear, (0, 0, -9.81))
+        ground = rr.Plane(scale * normal)
+        np.testing.assert_allclose(ground.normal_vector, normal, atol=1e-15)
+    assert not ground.normal_vector.flags.writeable
 
 
 @pytest.mark.parametrize(
@@ -226,19 +227,43 @@ def test_ground_normal_is_made_unit(normal):
     [(0, 0, 0), (0, 0, -1), (1, 0, 0), (0, 0), "up", (0, 0, np.nan), (0, 0, np.inf), 1.0, None,
      ("0", "0", "1"), (True, False, True)],
 )  # fmt: skip
-def test_bad_ground_normal(normal):
-    for make in (
-        lambda: rr.Robot.from_parameters(ground_normal=normal),
-        lambda: rr.Robot.from_urdf(rr.urdf_path(), shell=SHELL, ground_normal=normal),
-    ):
-        with pytest.raises(rr.ParameterError, match=r"^ground_normal (is|has)"):
-            make()
+def test_bad_normal(normal):
+    with pytest.raises(rr.ParameterError, match=r"normal (is|has)"):
+        rr.FullModel(rr.Robot.from_parameters(), ground=rr.Plane(normal))
 
 
-@pytest.mark.parametrize("gravity", [-1, np.nan, np.inf, "9.81", None, True])
+@pytest.mark.parametrize("gravity", [-1, np.nan, np.inf, "9.81", True])
 def test_bad_gravity(gravity):
     with pytest.raises(rr.ParameterError, match=r"^gravity is .*at least zero"):
-        rr.Robot.from_urdf(rr.urdf_path(), shell=SHELL, gravity=gravity)
+        rr.Plane(gravity=gravity)
+
+
+def test_gravity_comes_with_the_ground_or_the_parameters():
+    moon = rr.Robot.from_parameters(rr.RRRobotParameters(gravity=1.62))
+    stranger = rr.Robot.from_urdf(rr.urdf_path(), shell=SHELL)
+    mars = rr.Plane(gravity=3.7)
+    for kind in (rr.FullModel, rr.PivotingModel, rr.RollModel, rr.PitchModel):
+        assert kind(moon).gravity == 1.62
+        assert kind(stranger).gravity == 9.81
+        assert kind(moon, ground=mars).gravity == kind(stranger, ground=mars).gravity == 3.7
+    assert stranger.model.gravity.linear[2] == -9.81
+    assert rr.YawModel(moon).gravity == 0.0
+
+
+def test_damping_comes_with_the_parameters():
+    """A robot that is not RRRobot is not damped by RRRobot's number."""
+    robot = rr.Robot.from_parameters(rr.RRRobotParameters(damping=0.02))
+    stranger = rr.Robot.from_urdf(rr.urdf_path(), shell=SHELL)
+    wanted = {
+        rr.FullModel: (0.02, 0.02, 0.02), rr.PivotingModel: (0.02, 0.02, 0.0),
+        rr.RollModel: (0.02, 0.0, 0.0), rr.PitchModel: (0.0, 0.02, 0.0), rr.YawModel: (0, 0, 0),
+    }  # fmt: skip
+    for kind, numbers in wanted.items():
+        assert kind(robot).damping == rr.EulerRateDamping(*numbers)
+        assert kind(stranger).damping == rr.EulerRateDamping()
+        assert kind(robot, damping=None).damping == rr.EulerRateDamping()
+    with pytest.raises(rr.ParameterError, match="damping is 'own'"):
+        rr.FullModel(robot, damping="own")
 
 
 # What is refused
@@ -297,8 +322,8 @@ def test_build_model_of_a_reduced_urdf_has_no_free_flyer():
 
 
 ROBOTS: list[Any] = [
-    rr.Robot.from_parameters(rr.RRRobotParameters(leg_length=(0.1, 0.09)), ground_normal=(0, 1, 9)),
-    random_robot(5, shell=rr.Ellipsoid((0.3, 0.31, 0.32)), gravity=3.7),
+    rr.Robot.from_parameters(rr.RRRobotParameters(leg_length=(0.1, 0.09))),
+    random_robot(5, shell=rr.Ellipsoid((0.3, 0.31, 0.32))),
     rr.Robot.from_urdf(random_urdf(6), shell=SHELL, legs=EVERY[5:2:-1], locked={EVERY[1]: 0.2},
                        package_dirs=("/tmp",)),
 ]  # fmt: skip

@@ -90,7 +90,8 @@ def test_erratum_of_eq_5(seed: int) -> None:
     assert left == pytest.approx(R * (np.cos(roll) - np.cos(pitch)) * np.cos(yaw) * rates[0])
     assert abs(left) > 1e-4
 
-    omega_2 = rr.FullModel(library_robot()).paper_equations(
+    omega_2 = rr.paper.paper_equations(
+        rr.FullModel(library_robot()), 
         np.concatenate([np.zeros(2), euler, np.ones(2)]), np.zeros(7)
     ).omega[1]  # fmt: skip
     assert omega_2[:5] == pytest.approx(row_5(euler, printed=False), abs=1e-15)

@@ -252,13 +252,13 @@ def test_the_row_that_is_left_out_holds_by_itself(axis: str, seed: int) -> None:
     case = make_case(axis, seed)
     model = MODELS[axis](case.robot)
     assert isinstance(model.rolling, rr.RollingContact)
-    assert model.rolling.rows == ({"roll": 1, "pitch": 0}[axis],)
+    assert model.rolling.imposed == ({"roll": 1, "pitch": 0}[axis],)
     frame = model.model.getFrameId("rrrobot_shell")
     whole = rr.RollingContact(model.model, frame, case.robot.shell)
     q = model.configuration(case.pose(model), case.state.leg.angle)
     v = model.velocity(case.pose(model), np.array([case.rate]), case.state.leg.rate)
     rows = whole.evaluate(model.data, q, v)
-    imposed = model.rolling.rows[0]
+    imposed = model.rolling.imposed[0]
     others = [i for i in range(3) if i != imposed]
     assert np.abs(rows.residual).max() < 1e-15
     assert rows.jacobian[others] == pytest.approx(np.zeros((2, model.model.nv)), abs=1e-16)

@@ -21,7 +21,7 @@ from rrrobot.errors import SweepInterrupted
 from rrrobot.studies.sweeps import variants as sweep_models
 from rrrobot.studies.sweeps.run import sweep
 from rrrobot.studies.sweeps.store import LOADS, STATUS, VARIABLES
-from rrrobot.studies.sweeps.variants import DecoupledModels, clearance, parameters_of, remade
+from rrrobot.studies.sweeps.variants import DecoupledModels, clearance
 from tests.random_robot import random_robot
 
 sweep_module = import_module("rrrobot.studies.sweeps.run")
@@ -344,33 +344,12 @@ def test_every_parameter_can_be_swept(field: str) -> None:
     value = 1.1 * rr.RRRobotParameters().to_dict()[field]
     for model in (rr.PivotingModel(ROBOT), DecoupledModels(ROBOT)):
         ds = sweep(model, offset=0.8, parameters={field: [value]}, **SHORT)
-        other = remade(model, rr.Robot.from_parameters(rr.RRRobotParameters(**{field: value})))
+        other = sweep_models.remade(
+            model, rr.Robot.from_parameters(rr.RRRobotParameters(**{field: value}))
+        )
         assert float(ds.pitch_amplitude[0]) == float(
             sweep(other, offset=0.8, **SHORT).pitch_amplitude
         )
-
-
-@pytest.mark.parametrize(
-    "parameters",
-    [
-        rr.RRRobotParameters(),
-        rr.RRRobotParameters(leg_mass=(0.05, 0.07), leg_length=(0.1, 0.08), gravity=1.62),
-        rr.RRRobotParameters(servo_mass=1 / 3, battery_mass=1e-3 / 7, hip_offset=0.2 / 3),
-    ],
-)
-def test_parameters_are_read_back_exactly(parameters: rr.RRRobotParameters) -> None:
-    assert parameters_of(rr.Robot.from_parameters(parameters)) == parameters
-
-
-def test_other_robots_have_no_such_parameters() -> None:
-    assert parameters_of(random_robot(1, joints=2)) is None
-    changed = ROBOT.urdf.replace('mass value="0.3"', 'mass value="0.3000001"')
-    like = rr.Robot.from_urdf(changed, shell=rr.Sphere(0.12))
-    assert changed != ROBOT.urdf
-    assert parameters_of(like) == rr.RRRobotParameters(battery_mass=0.3000001)
-    other = ROBOT.urdf.replace("battery", "cell")
-    assert parameters_of(rr.Robot.from_urdf(other, shell=rr.Sphere(0.12))) is None
-    assert parameters_of(rr.Robot.from_urdf(ROBOT.urdf, shell=rr.Sphere(0.11))) is None
 
 
 # Bits
@@ -602,9 +581,9 @@ def test_too_many_gaits_are_refused_at_once() -> None:
 def test_models_that_the_engine_does_not_know() -> None:
     with pytest.raises(rr.ModelError, match="it must be a model"):
         sweep("full", offset=1.0)  # type: ignore[arg-type]
-    slope = rr.Robot.from_parameters(ground_normal=(0.1, 0, 1))
+    slope = rr.FullModel(ROBOT, ground=rr.Plane((0.1, 0, 1)))
     with pytest.raises(rr.ModelError, match="level ground"):
-        sweep(rr.FullModel(slope), offset=1.0)
+        sweep(slope, offset=1.0)
     ellipsoid = rr.Robot.from_urdf(ROBOT.urdf, shell=rr.Ellipsoid((0.12, 0.12, 0.1)))
     with pytest.raises(rr.ModelError, match="spherical shell"):
         sweep(rr.FullModel(ellipsoid), offset=1.0)

@@ -325,7 +325,7 @@ def test_places_that_cannot_be_written(tmp_path: Path, name: str, message: str) 
         (FULL, {"offset": GRIDS["offset"] + 1e-15}, r"offset \(\[0.2, .* there, \[0.2"),
         (FULL, {"offset": (1.0, GRIDS["offset"])}, "dimensions .*offset_leg_2"),
         (FULL, {"amplitude": [0.3]}, "dimensions .*amplitude"),
-        (rr.PivotingModel(ROBOT), {}, r"model.name \(full there, pivoting here\)"),
+        (rr.PivotingModel(ROBOT), {}, r"model.type \(full there, pivoting here\)"),
         (rr.FullModel(ROBOT, damping=0.02), {}, r"model.damping.pitch \(0.01 there, 0.02 here\)"),
         (
             rr.FullModel(rr.Robot.from_parameters(rr.RRRobotParameters(leg_mass=0.06))),

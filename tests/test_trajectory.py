@@ -25,8 +25,8 @@ ARRAYS = ("time", "euler", "euler_rates", "position", "leg_angle", "leg_rate", "
 
 @pytest.fixture(scope="module")
 def simulated() -> rr.Trajectory:
-    robot = rr.Robot.from_parameters(ground_normal=(0.01, 0.0, 1.0))
-    return rr.simulate(rr.FullModel(robot), rr.gait("circular"), duration=0.5)
+    model = rr.FullModel(rr.Robot.from_parameters(), ground=rr.Plane((0.01, 0.0, 1.0)))
+    return rr.simulate(model, rr.gait("circular"), duration=0.5)
 
 
 @pytest.fixture(scope="module")
@@ -39,6 +39,7 @@ def assert_same(a: rr.Trajectory, b: rr.Trajectory) -> None:
         np.testing.assert_array_equal(getattr(a, name), getattr(b, name), err_msg=name)
         assert getattr(a, name).dtype == getattr(b, name).dtype
     assert a.robot == b.robot
+    assert a.ground == b.ground
     assert a.metadata == b.metadata
 
 
@@ -54,7 +55,7 @@ def test_loaded_trajectory_can_be_continued(simulated, saved):
     loaded = rr.Trajectory.load(saved)
     gait = rr.gait("circular")
     runs = [
-        rr.simulate(rr.FullModel(t.robot), gait, duration=0.2, state=t.state[-1])
+        rr.simulate(rr.FullModel(t.robot, ground=t.ground), gait, duration=0.2, state=t.state[-1])
         for t in (simulated, loaded)
     ]
     np.testing.assert_array_equal(runs[0].state, runs[1].state)
@@ -66,7 +67,7 @@ def test_loaded_trajectory_can_be_continued(simulated, saved):
         rr.Robot.from_parameters(rr.RRRobotParameters(leg_mass=(0.05, 0.08))),
         rr.Robot.from_urdf(
             rr.urdf_path(), shell=rr.Ellipsoid((0.12, 0.13, 0.14)), legs=("leg_2",),
-            locked={"leg_1": 0.1}, shell_center=(0.01, 0, 0), gravity=1.62,
+            locked={"leg_1": 0.1}, shell_center=(0.01, 0, 0),
         ),
     ],
     ids=["unequal legs", "ellipsoid, one leg locked"],
@@ -271,9 +272,8 @@ def test_required_friction():
 
 def test_required_friction_on_an_incline_is_its_slope():
     """A weight that the ground holds still needs the tangent of the slope."""
-    robot = rr.Robot.from_parameters(ground_normal=(-0.3, 0.4, 1.0))
     weight = np.tile((0.0, 0.0, 5.0), (3, 1))
-    t = synthetic.trajectory(3, contact_force=weight, robot=robot)
+    t = synthetic.trajectory(3, contact_force=weight, ground=rr.Plane((-0.3, 0.4, 1.0)))
     np.testing.assert_allclose(t.required_friction, 0.5, rtol=1e-14)
     np.testing.assert_allclose(t.normal_force, 5 / np.sqrt(1.25), rtol=1e-14)
 
@@ -291,7 +291,7 @@ def test_lift_off_time():
 
 def test_a_pivot_does_not_slip_or_lift_off():
     force = np.tile((1.0, 0, -5.0), (50, 1))
-    metadata = {"has_contact": False, "model": {"name": "pivoting"}}
+    metadata = {"has_contact": False, "model": {"type": "pivoting"}}
     t = synthetic.trajectory(contact_force=force, metadata=metadata)
     assert t.lift_off_time is None
     with pytest.raises(rr.ModelError, match="pivoting model is pivoted"):

@@ -21,7 +21,6 @@ import pinocchio as pin
 import pytest
 
 import rrrobot as rr
-from rrrobot.contact.surfaces import ground_basis
 from rrrobot.view.film import make_film
 from rrrobot.view.scene import Scene
 from rrrobot.view.server import _key, _put, pack
@@ -167,15 +166,15 @@ def test_trace_grows_or_is_whole_or_absent(browser, trajectory, tmp_path):
 @needs_browser
 @pytest.mark.parametrize("follow", [False, True])
 def test_robot_is_in_the_picture_all_the_way(browser, follow, tmp_path):
-    robot = rr.Robot.from_parameters(ground_normal=(0.1, -0.06, 1.0))
-    down = rr.simulate(rr.FullModel(robot), rr.gait("circular"), duration=3.0)
+    robot, slope = rr.Robot.from_parameters(), rr.Plane((0.1, -0.06, 1.0))
+    down = rr.simulate(rr.FullModel(robot, ground=slope), rr.gait("circular"), duration=3.0)
     # Off it slides, straight across the slope.
     shift = np.outer(down.time, (1.5, 2.0))
     q = down.configuration.copy()
-    q[:, :3] += shift @ ground_basis(robot.ground_normal)[:, :2].T
+    q[:, :3] += shift @ slope.basis[:, :2].T
     down = replace(down, configuration=q, position=down.position + shift)
     browser.open(record(down, tmp_path / "down.html", follow=follow).as_uri())
-    scene = Scene(robot)
+    scene = Scene(robot, slope)
     for t in (0.0, 1.5, 3.0):
         browser.seek(t)
         center = scene.pose(down.configuration[round(t / 0.01)]).center
@@ -283,9 +282,10 @@ def test_frames_are_the_motion_at_their_time(trajectory, fps, speed, frames):
 @pytest.mark.parametrize("normal", [(0.0, 0.0, 1.0), (0.1, -0.2, 1.0)])
 @pytest.mark.parametrize("shell", [rr.Sphere(0.12), rr.Ellipsoid((0.15, 0.12, 0.13))])
 def test_contact_point_is_the_trajectorys(normal, shell):
-    robot = rr.Robot.from_urdf(rr.urdf_path("rrrobot"), shell=shell, ground_normal=normal)
-    t = rr.simulate(rr.FullModel(robot), rr.gait("circular"), duration=0.5)
-    scene = Scene(robot)
+    robot = rr.Robot.from_urdf(rr.urdf_path("rrrobot"), shell=shell)
+    ground = rr.Plane(normal)
+    t = rr.simulate(rr.FullModel(robot, ground=ground), rr.gait("circular"), duration=0.5)
+    scene = Scene(robot, ground)
     contacts = [scene.pose(q).contact for q in t.configuration]
     np.testing.assert_allclose(contacts, t.position, atol=1e-9)
     np.testing.assert_allclose(scene.rest().contact, 0.0, atol=1e-12)
@@ -577,7 +577,6 @@ def test_only_the_newest_commands_wait_for_a_slow_tab():
 
 SCRIPT = """
 import rrrobot as rr, time
-from rrrobot.contact.surfaces import ground_basis
 from rrrobot.view.viewer import Viewer
 viewer = Viewer(rr.Robot.from_parameters())
 print(viewer.url, flush=True)

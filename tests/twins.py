@@ -87,7 +87,7 @@ def _scaled(rng: np.random.Generator, scale: float, size: int) -> list[Array]:
 def tree_robot(seed: int, centred: bool = False) -> rr.Robot:
     """A spherical shell, ballast at its bottom, and a random tree of four joints of every kind.
 
-    The shell is off the root's origin, and the ground a slope for odd seeds, unless `centred`.
+    The shell is off the root's origin unless `centred`.
     """
     rng = np.random.default_rng(seed)
 
@@ -123,8 +123,12 @@ def tree_robot(seed: int, centred: bool = False) -> rr.Robot:
             '<limit lower="-9" upper="9" effort="9" velocity="9"/></joint>'
         )
     urdf = f'<robot name="tree">{"".join(links)}{"".join(joints)}</robot>'
-    normal = (0.05, -0.1, 1.0) if seed % 2 and not centred else (0.0, 0.0, 1.0)
-    return rr.Robot.from_urdf(urdf, shell=rr.Sphere(0.2), shell_center=centre, ground_normal=normal)
+    return rr.Robot.from_urdf(urdf, shell=rr.Sphere(0.2), shell_center=centre)
+
+
+def tree_ground(seed: int) -> rr.Plane:
+    """Level for even seeds, a slope for odd ones."""
+    return rr.Plane((0.05, -0.1, 1.0) if seed % 2 else (0.0, 0.0, 1.0))
 
 
 def error(value: ArrayLike, expected: ArrayLike) -> float:

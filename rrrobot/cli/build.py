@@ -4,23 +4,24 @@ from __future__ import annotations
 
 import math
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import click
 
 from rrrobot.checks import finite
 from rrrobot.cli.options import GAITS
 from rrrobot.cli.types import names
+from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.surfaces import Sphere
-from rrrobot.drive.damping import BodyRateDamping, Damping, EulerRateDamping
+from rrrobot.drive.damping import BodyRateDamping, DampingLike, EulerRateDamping
 from rrrobot.drive.gaits import Gait, RampIn, SinusoidalGait, StillLegs
 from rrrobot.drive.gaits import gait as named_gait
 from rrrobot.drive.torques import LegTorques
 from rrrobot.integrate import Progress
-from rrrobot.models.base import Model
+from rrrobot.models.base import OWN, Model
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
@@ -29,7 +30,9 @@ from rrrobot.robot.robot import Robot
 
 Options = dict[str, Any]
 
-MODELS: dict[str, Callable[..., Model]] = {
+M = TypeVar("M", bound=Model)
+
+MODELS: dict[str, type[Model]] = {
     "full": FullModel,
     "pivoting": PivotingModel,
     "roll": RollModel,
@@ -55,7 +58,7 @@ def build_robot(options: Options) -> Robot:
         click.UsageError: options that do not go together.
         RRRobotError: as `Robot` raises.
     """
-    common = {key: options[key] for key in ("gravity", "ground_normal") if _given(options, key)}
+    common: Options = {}
     radius = options["shell_radius"]
     urdf, name = options["urdf"], options["robot"]
     if urdf is not None and name is not None:
@@ -65,9 +68,9 @@ def build_robot(options: Options) -> Robot:
         values = {key: options[key] for key in _TABLE_2 if _given(options, key)}
         if radius is not None:
             values["shell_radius"] = radius
-        if "gravity" in common:
-            values["gravity"] = common.pop("gravity")
-        return Robot.from_parameters(RRRobotParameters(**values), **common)
+        if _given(options, "gravity"):
+            values["gravity"] = options["gravity"]
+        return Robot.from_parameters(RRRobotParameters(**values))
     _refuse(options, _TABLE_2, "are RRRobot's: the URDF says the masses and lengths")
     if radius is None:
         raise click.UsageError(
@@ -78,6 +81,24 @@ def build_robot(options: Options) -> Robot:
     if urdf is not None:
         return Robot.from_urdf(Path(urdf), **common)
     return Robot.from_example(name, **common)
+
+
+def build_ground(options: Options) -> Ground:
+    """The ground of `robot_options`, with its gravity unless that is RRRobot's own."""
+    normal = options["ground_normal"] if _given(options, "ground_normal") else (0.0, 0.0, 1.0)
+    return Plane(normal, gravity=None if _is_rrrobot(options) else options["gravity"])
+
+
+def refuse_ground(options: Options) -> None:
+    """Refuse the options of a ground where a command's models know level ground only."""
+    _refuse(options, ("ground_normal",), "do not go with this command: it needs level ground")
+    if not _is_rrrobot(options):
+        _refuse(options, ("gravity",), "are RRRobot's with this command")
+
+
+def build_model(kind: type[M], options: Options, robot: Robot) -> M:
+    """A model of a robot, with the ground and the damping of the options."""
+    return kind(robot, ground=build_ground(options), damping=build_damping(options))  # type: ignore[call-arg]
 
 
 def build_gait(options: Options, robot: Robot) -> Gait:
@@ -119,11 +140,11 @@ def build_drive(options: Options, robot: Robot) -> Gait | LegTorques:
     return LegTorques(torque, angle=angles)
 
 
-def build_damping(options: Options) -> Damping | None:
-    """The damping of --damping and --damping-kind; None for the model's own."""
+def build_damping(options: Options) -> DampingLike:
+    """The damping of --damping and --damping-kind; without them the robot's own."""
     value, kind = options["damping"], options["damping_kind"]
     if value is None and kind is None:
-        return None
+        return OWN
     numbers = (value,) * 3 if isinstance(value, float) else value or (0.01,) * 3
     return (BodyRateDamping if kind == "body" else EulerRateDamping)(*numbers)
 

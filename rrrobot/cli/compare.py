@@ -12,7 +12,7 @@ import click
 import numpy as np
 
 from rrrobot.checks import finite
-from rrrobot.cli.build import build_gait, build_robot
+from rrrobot.cli.build import build_gait, build_robot, refuse_ground
 from rrrobot.cli.options import gait_options, robot_options
 from rrrobot.cli.report import tell, to_json
 from rrrobot.cli.types import NUMBER
@@ -57,6 +57,7 @@ def compare_command(**options: Any) -> None:
       rrrobot compare --plane --grid 13 23
     """
     finite("duration", options["duration"], "s", above=0)
+    refuse_ground(options)
     robot = build_robot(options)
     if options["plane"]:
         table = _plane(robot, options)
@@ -91,6 +92,7 @@ def periods(**options: Any) -> None:
       rrrobot periods
       rrrobot periods --leg-mass 0.08
     """
+    refuse_ground(options)
     robot = build_robot(options)
     rows = table_3(robot)
     if options["as_json"]:

@@ -11,7 +11,7 @@ from typing import Any
 import click
 import numpy as np
 
-from rrrobot.cli.build import MODELS, Options, build_damping, build_robot
+from rrrobot.cli.build import MODELS, Options, build_model, build_robot
 from rrrobot.cli.compile import tell_of_compiling
 from rrrobot.cli.options import damping_options, option_group, robot_options
 from rrrobot.cli.report import aligned, to_json
@@ -159,10 +159,7 @@ def _refuse(options: Options, keys: tuple[str, ...], where: str) -> None:
 
 
 def _model(options: Options) -> Model:
-    robot = build_robot(options)
-    damping = build_damping(options)
-    given = {} if damping is None else {"damping": damping}
-    return MODELS[options["model"]](robot, **given)
+    return build_model(MODELS[options["model"]], options, build_robot(options))
 
 
 def _settings(options: Options) -> Options:

@@ -9,10 +9,11 @@ from typing import Any
 import click
 import numpy as np
 
-from rrrobot.cli.build import build_robot
+from rrrobot.cli.build import build_robot, refuse_ground
 from rrrobot.cli.options import robot_options
 from rrrobot.cli.report import aligned, to_json
 from rrrobot.cli.types import NUMBER, Numbers, names
+from rrrobot.contact.ground import Plane
 from rrrobot.drive.gaits import Gait, SinusoidalGait
 from rrrobot.errors import ParameterError
 from rrrobot.files import check_writable
@@ -20,7 +21,7 @@ from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
-from rrrobot.reduction.checks import controllability, reducibility, weightless
+from rrrobot.reduction.checks import controllability, reducibility
 from rrrobot.reduction.connection import Connection
 from rrrobot.reduction.cycles import GOALS, OptimalCycle, optimal_cycle
 from rrrobot.reduction.yaw import METHODS, net_yaw
@@ -75,6 +76,7 @@ def reduce_command(**options: Any) -> None:
       rrrobot reduce --plan 1.0,1.2,1.6 --limits 0.2,2.9
     """
     target = None if options["out"] is None else check_writable(options["out"])
+    refuse_ground(options)
     robot = build_robot(options)
     connection = Connection(robot)
     pair = _pair(robot, options["pair"])
@@ -134,9 +136,9 @@ def _cycle(robot: Robot, pair: tuple[int, int], options: dict[str, Any]) -> Sinu
 
 def _reducibility(robot: Robot) -> list[dict[str, Any]]:
     rows = []
-    for gravity, body in ((True, robot), (False, weightless(robot))):
+    for gravity, ground in ((True, Plane()), (False, Plane(gravity=0.0))):
         for kind in _MODELS:
-            found = reducibility(kind(body, damping=None))  # type: ignore[call-arg]
+            found = reducibility(kind(robot, ground=ground, damping=None))  # type: ignore[call-arg]
             rows.append(
                 {
                     "model": found.model,

@@ -64,7 +64,7 @@ def table(data: Mapping[str, Any]) -> str:
     """The summary in lines of "name  value", in everyday units."""
     rows: list[tuple[str, str]] = [
         ("robot", f"{data['robot']['name']}, {data['robot']['mass']:.4g} kg"),
-        ("model", str(data["model"]["name"])),
+        ("model", str(data["model"]["type"])),
         ("gait", _gait(data["gait"])),
         ("duration", f"{data['duration']:g} s, {data['samples']} samples"),
         *_settled_rows(data),

@@ -12,8 +12,8 @@ from rrrobot.cli.build import (
     DECOUPLED,
     MODELS,
     Options,
-    build_damping,
     build_drive,
+    build_model,
     build_robot,
     build_run,
     progress_bar,
@@ -114,14 +114,12 @@ def run(options: Options) -> None:
 def _simulate(
     options: Options, robot: Robot, drive: Gait | LegTorques, settings: Options
 ) -> Trajectory:
-    damping = build_damping(options)
-    given = {} if damping is None else {"damping": damping}
     name = options["model"]
     if name != DECOUPLED:
         settings["start"] = options["start"]
         if options["euler"] is not None:
             settings["euler"] = options["euler"]
-        return run_model(MODELS[name](robot, **given), drive, **settings)
+        return run_model(build_model(MODELS[name], options, robot), drive, **settings)
     if options["start"] != "impulsive" or options["euler"] is not None:
         raise click.UsageError("--start and --euler do not go with --model decoupled.")
     if not isinstance(drive, Gait):
@@ -129,7 +127,7 @@ def _simulate(
     if "method" in settings:
         raise click.UsageError("--method does not go with --model decoupled: it has its own.")
     axes: dict[str, Any] = {"roll": RollModel, "pitch": PitchModel, "yaw": YawModel}
-    models = {axis: model(robot, **given) for axis, model in axes.items()}
+    models = {axis: build_model(model, options, robot) for axis, model in axes.items()}
     return decoupled(robot, drive, **models, **settings)
 
 

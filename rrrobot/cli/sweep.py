@@ -9,7 +9,7 @@ from typing import Any
 
 import click
 
-from rrrobot.cli.build import DECOUPLED, MODELS, Options, build_damping, build_robot
+from rrrobot.cli.build import DECOUPLED, MODELS, Options, build_model, build_robot
 from rrrobot.cli.compile import tell_of_compiling
 from rrrobot.cli.options import damping_options, option_group, robot_options
 from rrrobot.cli.report import tell
@@ -118,10 +118,7 @@ def sweep_command(**options: Any) -> None:
 
 
 def _model(name: str, robot: Robot, options: Options) -> Swept:
-    damping = build_damping(options)
-    given: dict[str, Any] = {} if damping is None else {"damping": damping}
     if name != DECOUPLED:
-        return MODELS[name](robot, **given)
-    return DecoupledModels(
-        robot, RollModel(robot, **given), PitchModel(robot, **given), YawModel(robot, **given)
-    )
+        return build_model(MODELS[name], options, robot)
+    parts = (build_model(kind, options, robot) for kind in (RollModel, PitchModel, YawModel))
+    return DecoupledModels(robot, *parts)  # type: ignore[arg-type]

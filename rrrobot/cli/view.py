@@ -78,7 +78,7 @@ def view(
 def _serve(trajectory: Trajectory, *, speed: float, loop: bool, open_browser: bool) -> None:
     from rrrobot.view.viewer import Viewer
 
-    with Viewer(trajectory.robot, open_browser=open_browser) as viewer:
+    with Viewer(trajectory.robot, ground=trajectory.ground, open_browser=open_browser) as viewer:
         try:
             click.echo(f"{viewer.url}  (Ctrl-C ends)")
             # A motion that plays to nobody would be over when the page opens.

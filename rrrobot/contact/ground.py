@@ -64,7 +64,8 @@ class Plane(Ground):
     """A plane through the world's origin, level unless told otherwise.
 
     Attributes:
-        normal_vector: unit normal (3,); given as `normal`, of any length, third entry above zero.
+        normal_vector: unit normal (3,); given as `normal`, of any length. A robot's ground
+            points up (n_z > 0), a wall need not.
         basis: columns (t1, t2, n) (3, 3): t1 is the world's x axis laid onto the plane.
 
     Example:
@@ -80,10 +81,8 @@ class Plane(Ground):
 
     def __init__(self, normal: Any = (0.0, 0.0, 1.0), *, gravity: float | None = None) -> None:
         n = vector("normal", normal, 3)
-        if n[2] <= 0:
-            raise ParameterError(
-                f"normal is {n.tolist()}: it must point up (third entry above zero)."
-            )
+        if not n.any():
+            raise ParameterError("normal is zero: it must be a direction.")
         n /= np.abs(n).max()
         n /= np.linalg.norm(n)
         basis = ground_basis(n)
@@ -132,6 +131,14 @@ class Plane(Ground):
 def ground_from_dict(data: dict[str, Any]) -> Ground:
     """The ground that `to_dict` wrote."""
     return serial.from_dict(data, Ground, "ground")  # type: ignore[type-abstract]
+
+
+def normals(ground: Ground, coordinates: Array) -> Array:
+    """Unit normals (n, 3) at ground coordinates (n, 2)."""
+    fixed = ground.fixed_normal
+    if fixed is not None:
+        return np.broadcast_to(fixed, (len(coordinates), 3))
+    return np.array([ground.normal(ground.point(c)) for c in coordinates])
 
 
 def checked_gravity(gravity: float | None) -> float | None:

@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rrrobot import serial
 from rrrobot.checks import Array, finite, vector
 from rrrobot.errors import ParameterError
 from rrrobot.rotations import skew
@@ -70,6 +71,7 @@ class Surface(ABC):
         return np.sort(np.linalg.eigvalsh(self.hessian(u / np.linalg.norm(u))))[1:]
 
 
+@serial.register("sphere")
 @dataclass(frozen=True)
 class Sphere(Surface):
     """A spherical shell: h(u) = r |u|.
@@ -113,6 +115,7 @@ class Sphere(Surface):
         return {"type": "sphere", "radius": self.radius}
 
 
+@serial.register("ellipsoid")
 @dataclass(frozen=True)
 class Ellipsoid(Surface):
     """An ellipsoidal shell: h(u) = sqrt(u^T A u) with A = diag(a^2, b^2, c^2).
@@ -156,20 +159,4 @@ class Ellipsoid(Surface):
 
 def surface_from_dict(data: dict[str, Any]) -> Surface:
     """The shell that `to_dict` wrote."""
-    if data.get("type") == "sphere":
-        return Sphere(data["radius"])
-    if data.get("type") == "ellipsoid":
-        return Ellipsoid(tuple(data["semi_axes"]))
-    raise ParameterError(f"shell type is {data.get('type')!r}: known are sphere and ellipsoid.")
-
-
-def ground_basis(normal: Array) -> Array:
-    """Columns (t1, t2, n) of the ground plane, shape (3, 3), right-handed; identity for n = z.
-
-    t1 is the projection of the world's x axis (of y where n is along x), so that the contact
-    point's plane coordinates are the world's x and y on level ground.
-    """
-    seed = np.array((1.0, 0.0, 0.0)) if abs(normal[0]) < 0.9 else np.array((0.0, 1.0, 0.0))
-    first = seed - (seed @ normal) * normal
-    first /= np.linalg.norm(first)
-    return np.column_stack((first, np.cross(normal, first), normal))
+    return serial.from_dict(data, Surface, "shell")  # type: ignore[type-abstract]

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rrrobot import serial
 from rrrobot.checks import Array, finite, vector
 from rrrobot.errors import ParameterError
 
@@ -42,6 +43,7 @@ class Damping(ABC):
         return {"type": type(self).__name__} | asdict(self)
 
 
+@serial.register("EulerRateDamping")
 @dataclass(frozen=True)
 class EulerRateDamping(Damping):
     """Generalised force -k theta_dot on each Euler rate: eqs (9) and (10) of the paper.
@@ -86,6 +88,7 @@ class EulerRateDamping(Damping):
         return self.roll > 0 or self.pitch > 0 or self.yaw > 0
 
 
+@serial.register("BodyRateDamping")
 @dataclass(frozen=True)
 class BodyRateDamping(Damping):
     """Moment -k omega along each body axis; regular at every orientation.
@@ -115,7 +118,7 @@ class BodyRateDamping(Damping):
         return self.legs
 
 
-DampingLike = Damping | float | ArrayLike | None
+DampingLike = Damping | float | ArrayLike | str | None
 
 
 def as_damping(value: DampingLike) -> Damping:
@@ -128,3 +131,8 @@ def as_damping(value: DampingLike) -> Damping:
     if isinstance(value, str):
         raise ParameterError(f"damping is {value!r}: give numbers in N m s/rad, or a Damping.")
     return EulerRateDamping(*vector("damping", value, 3, "N m s/rad", broadcast=True))
+
+
+def damping_from_dict(data: dict[str, Any]) -> Damping:
+    """The damping that `to_dict` wrote."""
+    return serial.from_dict(data, Damping, "damping")  # type: ignore[type-abstract]

@@ -1,82 +1,51 @@
-"""What a model is: Pinocchio's M a + h = tau + J^T f on one robot, and a minimal state.
+"""What a model is: a robot, a ground, constraints and damping, and a minimal state.
 
-A model's state vector is y = (pose, quasi) for prescribed legs and (pose, quasi, leg angles, leg
-rates) for torque-driven ones. `pose` locates the body, `quasi` are its independent velocities,
-so that
+    M a + h = tau + sum over the constraints of J^T f,       J a + gamma = 0 for each
+
+with M and h from Pinocchio. A model's state vector is y = (pose, quasi) for prescribed legs and
+(pose, quasi, leg angles, leg rates) for torque-driven ones. `pose` locates the body, `quasi` are
+its independent velocities, so that
 
     v = N(pose) quasi + leg rates,
 
-and the constraint J v = 0 holds by construction at every state. A subclass says how pose and
-quasi-velocities map to Pinocchio's q and v; the equations of motion are the same for all.
+and the constraints J v = 0 hold by construction at every state. A subclass declares Pinocchio's
+model and the constraints, and says how pose and quasi-velocities map to Pinocchio's q and v; the
+equations of motion are the same for all.
 """
 
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from typing import Any, NamedTuple
+from collections.abc import Mapping
+from functools import partial
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, vector
-from rrrobot.constraints import (
-    ConstraintRows,
-    PrescribedJoints,
-    RollingContact,
-    kkt_build,
-    kkt_solve,
+from rrrobot.constraints import Constraint, Instant, PrescribedJoints, RollingContact
+from rrrobot.contact.ground import Ground, Plane, ground_from_dict
+from rrrobot.drive.damping import (
+    Damping,
+    DampingLike,
+    EulerRateDamping,
+    as_damping,
+    damping_from_dict,
 )
-from rrrobot.drive.damping import Damping, DampingLike, as_damping
 from rrrobot.drive.gaits import LegMotion
-from rrrobot.errors import ConstraintError, GaitError, ModelError
+from rrrobot.errors import ConstraintError, GaitError, ModelError, ParameterError
 from rrrobot.integrate import MAX_STEP
+from rrrobot.kkt import kkt_build, kkt_solve
+from rrrobot.models.terms import Dynamics, Equations, Placement
 from rrrobot.robot.joints import JointIndex
 from rrrobot.robot.robot import Robot
 
 VERTICAL_PITCH = np.deg2rad(89.5)
 """Pitch at which a model stops that is singular at 90 degrees [rad]."""
-
-
-class Placement(NamedTuple):
-    """A pose in every model's terms; made once per evaluation by `Model.place`."""
-
-    quaternion: Array
-    """(x, y, z, w) of R_world_body, unit (4,)"""
-    position: Array
-    """contact point in the ground plane (2,) [m]"""
-    rotation: Array
-    """R_world_body (3, 3)"""
-    configuration: Array
-    """the body's part of Pinocchio's q, which comes first (body nq,)"""
-    basis: Array
-    """the body's part of Pinocchio's v per unit of quasi-velocity (body nv, n_quasi)"""
-
-
-class Dynamics(NamedTuple):
-    """One evaluation of a model's equations of motion."""
-
-    acceleration: Array
-    """a (nv,) in the model's Pinocchio coordinates"""
-    contact_force: Array
-    """force of the ground, or of the pivot, on the robot in the world frame (3,) [N]"""
-    leg_torque: Array
-    """motor torques (legs,) [N m]; forces [N] for prismatic joints"""
-    q: Array
-    """Pinocchio's configuration (nq,)"""
-    v: Array
-    """Pinocchio's velocity (nv,)"""
-
-
-class Equations(NamedTuple):
-    """Terms of M a + C v + G = tau + J^T f in a model's Pinocchio coordinates."""
-
-    mass_matrix: Array
-    """M(q) (nv, nv)"""
-    coriolis: Array
-    """C(q, v) (nv, nv); M_dot - 2 C is skew-symmetric"""
-    gravity: Array
-    """G(q) (nv,)"""
+OWN = "robot"
+"""As `damping`: that of the robot's parameters, or none."""
 
 
 class Model(ABC):
@@ -84,19 +53,23 @@ class Model(ABC):
 
     Args:
         robot: the robot.
-        damping: losses; see `as_damping`.
-        pin_model: Pinocchio model in this model's coordinates.
-        rolling: the rolling contact, or None for a pivoted model.
+        pin_model: Pinocchio model in this model's coordinates, with the gravity that acts.
+        ground: what the robot rests on.
+        damping: losses; see `as_damping`. "robot" takes the robot's own: k on the Euler rates that
+            `damped` names, k of the robot's parameters; none for a robot without.
+        constraints: besides the prescribed legs.
 
     Attributes:
         name: "full", "pivoting", "roll", "pitch" or "yaw".
         axes: Euler angles that are free: 0 roll, 1 pitch, 2 yaw.
+        damped: which of the Euler rates the paper damps in this model (3,).
         n_pose, n_quasi: sizes of the state's parts.
         max_step: longest step of the adaptive integrator [s].
     """
 
     name: str
     axes: tuple[int, ...] = (0, 1, 2)
+    damped: tuple[int, int, int] = (1, 1, 1)
     n_pose: int
     n_quasi: int
     max_step = MAX_STEP
@@ -104,19 +77,33 @@ class Model(ABC):
     def __init__(
         self,
         robot: Robot,
-        damping: DampingLike,
         pin_model: pin.Model,
-        rolling: RollingContact | None,
+        *,
+        ground: Ground,
+        damping: DampingLike = OWN,
+        constraints: tuple[Constraint, ...] = (),
     ) -> None:
+        up = ground.normal(ground.point(np.zeros(2)))
+        if up[2] <= 0:
+            raise ParameterError(
+                f"the ground's normal is {up.tolist()}: it must point up (third entry above zero)."
+            )
         self.robot = robot
-        self.damping: Damping = as_damping(damping)
+        self.ground = ground
+        own = isinstance(damping, str) and damping == OWN
+        self.damping: Damping = self._own_damping() if own else as_damping(damping)
         self.model = pin_model
         self.data = pin_model.createData()
-        self.rolling = rolling
+        self.constraints = constraints
         self.legs = JointIndex(pin_model, robot.legs)
         self.n_legs = robot.n_legs
         self._prescribed = PrescribedJoints(self.legs.v, pin_model.nv)
         self._neutral = pin.neutral(pin_model)
+        self._still = np.zeros(pin_model.nv)
+
+    def _own_damping(self) -> Damping:
+        k = 0.0 if self.robot.parameters is None else self.robot.parameters.damping
+        return EulerRateDamping(*(k * free for free in self.damped))
 
     # What a subclass gives.
 
@@ -154,6 +141,16 @@ class Model(ABC):
 
     # What every model has.
 
+    @property
+    def gravity(self) -> float:
+        """g that acts in this model [m/s^2]."""
+        return -float(self.model.gravity.linear[2])
+
+    @property
+    def rolling(self) -> RollingContact | None:
+        """The rolling contact among the constraints, or None for a pivoted model."""
+        return next((c for c in self.constraints if isinstance(c, RollingContact)), None)
+
     def configuration(self, pose: ArrayLike | Placement, leg_angle: ArrayLike) -> Array:
         """Pinocchio's q (nq,) of a pose and leg angles."""
         place = self._place(pose)
@@ -163,7 +160,7 @@ class Model(ABC):
         return q
 
     def velocity(self, pose: ArrayLike | Placement, quasi: Array, leg_rate: Array) -> Array:
-        """Pinocchio's v (nv,) of quasi-velocities and leg rates; it satisfies the constraint."""
+        """Pinocchio's v (nv,) of quasi-velocities and leg rates; it satisfies the constraints."""
         basis = self._place(pose).basis
         v = np.zeros(self.model.nv)
         v[: len(basis)] = basis @ quasi
@@ -184,6 +181,7 @@ class Model(ABC):
         leg_angle: Array | None = None,
         leg_rate: Array | None = None,
         leg_torque: Array | None = None,
+        time: float = 0.0,
     ) -> Dynamics:
         """Accelerations and forces at a state, by the KKT system.
 
@@ -206,20 +204,27 @@ class Model(ABC):
         tau[: len(place.basis)] = self.damping_force(place, quasi)
         if self.damping.leg_coefficient:
             tau[self.legs.v] -= self.damping.leg_coefficient * v[self.legs.v]
-        rows: list[ConstraintRows] = []
-        if self.rolling is not None:
-            rows.append(self.rolling.evaluate(self.data, q, v))
-        if leg is not None:
-            rows.append(self._prescribed.evaluate(v, leg.rate, leg.acceleration))
-        else:
+        if leg_torque is not None:
             tau[self.legs.v] += leg_torque
+        imposed = self.constraints if leg is None else (*self.constraints, self._prescribed)
+        if self.constraints:
+            pin.forwardKinematics(self.model, self.data, q, v, self._still)
+        at = Instant(self.data, q, v, time, leg)
+        rows = [constraint.rows(at) for constraint in imposed]
         acceleration, multipliers = kkt_solve(kkt_build(mass, bias, tau, *rows))
-        if self.rolling is not None and len(self.rolling.rows) == 3:
-            force = self.rolling.force(multipliers[:3])
+        forces: dict[str, Array] = {}
+        first = 0
+        for constraint, row in zip(imposed, rows, strict=True):
+            last = first + row.drift.size
+            forces[constraint.name] = constraint.force(multipliers[first:last])
+            first = last
+        contact = self.rolling
+        if contact is not None and contact.is_whole:
+            force = forces[contact.name]
         else:
             force = self.support_force(q, v, acceleration)
-        torque = multipliers[multipliers.size - self.n_legs :] if leg_torque is None else leg_torque
-        return Dynamics(acceleration, force, torque, q, v)
+        torque = forces[self._prescribed.name] if leg_torque is None else leg_torque
+        return Dynamics(acceleration, force, torque, q, v, forces)
 
     def equations(self, q: Array, v: Array) -> Equations:
         """M, C and G at Pinocchio's q (nq,) and v (nv,): the left side of eqs (1), (6) and (11).
@@ -317,16 +322,29 @@ class Model(ABC):
                 f"{', '.join(names[i] for i in locked)}, so that entry must be zero."
             )
 
+    def remade(self, robot: Robot) -> Model:
+        """The same model of another robot."""
+        return type(self)(robot, ground=self.ground, damping=self.damping)  # type: ignore[call-arg]
+
     def to_dict(self) -> dict[str, Any]:
-        """What the model is, as plain data for metadata."""
-        return {"name": self.name, "damping": self.damping.to_dict()}
+        """What the model is besides its robot, as plain data; see `models.model_from_dict`."""
+        return {
+            "type": self.name,
+            "ground": self.ground.to_dict(),
+            "damping": self.damping.to_dict(),
+        }
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Model:
+        """The model of `to_dict`'s entries and "robot"."""
+        ground, damping = ground_from_dict(data["ground"]), damping_from_dict(data["damping"])
+        return cls(data["robot"], ground=ground, damping=damping)  # type: ignore[call-arg]
 
     def __repr__(self) -> str:
-        return f"{type(self).__name__}({self.robot!r}, damping={self.damping!r})"
+        level = isinstance(self.ground, Plane) and self.ground == Plane()
+        ground = "" if level else f", ground={self.ground!r}"
+        return f"{type(self).__name__}({self.robot!r}{ground}, damping={self.damping!r})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return (_rebuild, (type(self), self.robot, self.damping))
-
-
-def _rebuild(cls: Any, robot: Robot, damping: Damping) -> Model:
-    return cls(robot, damping=damping)
+        make = partial(type(self), ground=self.ground, damping=self.damping)
+        return (make, (self.robot,))

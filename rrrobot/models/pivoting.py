@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
+from rrrobot import serial
 from rrrobot.checks import Array
+from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.kinematics import sphere_contact_rate
 from rrrobot.drive.damping import DampingLike
-from rrrobot.models.base import Model, Placement
+from rrrobot.models.base import OWN, Model
 from rrrobot.models.reduced import pivot_radius, reduced_model
+from rrrobot.models.terms import Placement
 from rrrobot.robot.robot import Robot
 from rrrobot.rotations import (
     body_rates_matrix,
@@ -17,6 +20,7 @@ from rrrobot.rotations import (
 )
 
 
+@serial.register("pivoting")
 class PivotingModel(Model):
     """The body on a spherical joint at the shell's centre; its rotation is then rolled out.
 
@@ -27,8 +31,9 @@ class PivotingModel(Model):
 
     Args:
         robot: with a spherical shell about the root link's origin, on level ground.
-        damping: 0.01 N m s/rad on the roll and pitch rates unless told otherwise, none on yaw,
-            as eq (10); see `FullModel`.
+        ground: level; it gives the gravity.
+        damping: the robot's own unless told otherwise: on RRRobot 0.01 N m s/rad on the roll and
+            pitch rates, none on yaw, as eq (10); see `FullModel`.
 
     Raises:
         ModelError: the robot has another shell, or a shell elsewhere.
@@ -41,12 +46,17 @@ class PivotingModel(Model):
     """
 
     name = "pivoting"
+    damped = (1, 1, 0)
     n_pose = 5
     n_quasi = 3
 
-    def __init__(self, robot: Robot, *, damping: DampingLike = (0.01, 0.01, 0.0)) -> None:
-        self.radius = pivot_radius(robot, self.name)
-        super().__init__(robot, damping, reduced_model(robot, "pivoting"), None)
+    def __init__(
+        self, robot: Robot, *, ground: Ground | None = None, damping: DampingLike = OWN
+    ) -> None:
+        ground = Plane() if ground is None else ground
+        self.radius = pivot_radius(robot, self.name, ground)
+        pin_model = reduced_model(robot, "pivoting", ground)
+        super().__init__(robot, pin_model, ground=ground, damping=damping)
 
     @property
     def singular_at_vertical(self) -> bool:

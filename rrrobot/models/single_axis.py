@@ -6,15 +6,20 @@ from abc import abstractmethod
 
 import numpy as np
 
+from rrrobot import serial
 from rrrobot.checks import Array
-from rrrobot.constraints import RollingContact
+from rrrobot.constraints import Constraint, RollingContact
+from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.surfaces import SHELL_FRAME
 from rrrobot.drive.damping import DampingLike
-from rrrobot.models.base import Model, Placement
+from rrrobot.models.base import OWN, Model
 from rrrobot.models.reduced import pivot_radius, reduced_model
+from rrrobot.models.terms import Placement
 from rrrobot.robot.robot import Robot
 from rrrobot.robot.urdf import ReducedKind
 from rrrobot.rotations import quaternion_from_euler, rotation_from_euler
+
+_CHAINS: tuple[ReducedKind, ...] = ("roll", "pitch", "yaw")
 
 
 class SingleAxisModel(Model):
@@ -28,16 +33,21 @@ class SingleAxisModel(Model):
     n_quasi = 1
     axis: int
 
+    row: int | None
+    """which row of the rolling contact is left; None for a pivot without gravity"""
+
     def __init__(
-        self, robot: Robot, kind: ReducedKind, damping: DampingLike, row: int | None
+        self, robot: Robot, *, ground: Ground | None = None, damping: DampingLike = OWN
     ) -> None:
-        self.radius = pivot_radius(robot, kind)
-        model = reduced_model(robot, kind, gravity=row is not None)
-        rolling = None
-        if row is not None:
+        ground = Plane() if ground is None else ground
+        kind = _CHAINS[self.axis]
+        self.radius = pivot_radius(robot, kind, ground)
+        model = reduced_model(robot, kind, ground, gravity=self.row is not None)
+        constraints: tuple[Constraint, ...] = ()
+        if self.row is not None:
             frame = model.getFrameId(SHELL_FRAME)
-            rolling = RollingContact(model, frame, robot.shell, robot.ground_normal, rows=(row,))
-        super().__init__(robot, damping, model, rolling)
+            constraints = (RollingContact(model, frame, robot.shell, ground, rows=(self.row,)),)
+        super().__init__(robot, model, ground=ground, damping=damping, constraints=constraints)
 
     @abstractmethod
     def travel(self) -> Array:
@@ -72,7 +82,7 @@ class SingleAxisModel(Model):
         return np.append(quasi, self.travel() * quasi)
 
     def quasi_acceleration(self, acceleration: Array) -> Array:
-        last = 0 if self.rolling is None else 1
+        last = 0 if self.row is None else 1
         return acceleration[last : last + 1]
 
     def body_velocity(self, place: Placement, quasi: Array) -> Array:
@@ -92,12 +102,14 @@ class SingleAxisModel(Model):
         return force
 
 
+@serial.register("roll")
 class RollModel(SingleAxisModel):
     """Rolls sideways: roll only, with the rolling contact; q = (travel y, roll, legs...).
 
     Args:
         robot: with a spherical shell about the root link's origin, on level ground.
-        damping: 0.01 N m s/rad on the roll rate unless told otherwise.
+        ground: level; it gives the gravity.
+        damping: the robot's own unless told otherwise: on RRRobot 0.01 N m s/rad.
 
     Example:
         >>> import rrrobot as rr
@@ -106,22 +118,23 @@ class RollModel(SingleAxisModel):
     """
 
     name = "roll"
+    row = 1
+    damped = (1, 0, 0)
     axis = 0
     axes = (0,)
-
-    def __init__(self, robot: Robot, *, damping: DampingLike = 0.01) -> None:
-        super().__init__(robot, "roll", damping, row=1)
 
     def travel(self) -> Array:
         return np.array((0.0, -self.radius))
 
 
+@serial.register("pitch")
 class PitchModel(SingleAxisModel):
     """Rolls forward: pitch only, with the rolling contact; q = (travel x, pitch, legs...).
 
     Args:
         robot: with a spherical shell about the root link's origin, on level ground.
-        damping: 0.01 N m s/rad on the pitch rate unless told otherwise.
+        ground: level; it gives the gravity.
+        damping: the robot's own unless told otherwise: on RRRobot 0.01 N m s/rad.
 
     Example:
         >>> import rrrobot as rr
@@ -132,16 +145,16 @@ class PitchModel(SingleAxisModel):
     """
 
     name = "pitch"
+    row = 0
+    damped = (0, 1, 0)
     axis = 1
     axes = (1,)
-
-    def __init__(self, robot: Robot, *, damping: DampingLike = 0.01) -> None:
-        super().__init__(robot, "pitch", damping, row=0)
 
     def travel(self) -> Array:
         return np.array((self.radius, 0.0))
 
 
+@serial.register("yaw")
 class YawModel(SingleAxisModel):
     """Turns about the vertical through its centre, without gravity; q = (yaw, legs...).
 
@@ -160,13 +173,12 @@ class YawModel(SingleAxisModel):
     """
 
     name = "yaw"
+    row = None
+    damped = (0, 0, 0)
     # Steps of 0.05 s would let the conserved momentum drift by 2e-12 kg m^2/s on RRRobot.
     max_step = 0.03
     axis = 2
     axes = (2,)
-
-    def __init__(self, robot: Robot, *, damping: DampingLike = None) -> None:
-        super().__init__(robot, "yaw", damping, row=None)
 
     def travel(self) -> Array:
         return np.zeros(2)

@@ -15,7 +15,7 @@ from rrrobot.momentum.compiled import borrowed, in_cache
 from rrrobot.momentum.extremes import LOADS as ALL_LOADS
 from rrrobot.momentum.extremes import evaluate, extremes
 from rrrobot.momentum.kernels import BLOCK, DECOUPLED, N_STAGES, N_STATE, NODES, OK, step
-from rrrobot.momentum.setting import Setting, decoupled_setting, setting_of
+from rrrobot.momentum.lowering import Setting, decoupled_setting, lower
 from rrrobot.momentum.settle import FourierGaits, settle, work_of
 from rrrobot.momentum.summary import N_MOTION, N_RESULT, RESULT, ROWS_PER_STEP
 from rrrobot.momentum.vertical import pitch_of
@@ -33,9 +33,9 @@ __all__ = [
     "Gaits",
     "Setting",
     "decoupled_setting",
+    "lower",
     "march",
     "ready",
-    "setting_of",
     "settled",
     "stage_times",
     "steady_states",

@@ -19,7 +19,7 @@ from rrrobot.momentum.coefficients import LANES, N_COEFFICIENTS, LaneWork, fill_
 from rrrobot.momentum.compiled import borrowed, inner
 from rrrobot.momentum.forces import Bodies, bodies
 from rrrobot.momentum.loads import FRICTION, TORQUE, loads, n_signals
-from rrrobot.momentum.setting import Setting
+from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.settle import FourierGaits
 
 LOADS = ("normal_force", "friction", "rms_torque", "peak_torque", "power", "clearance")

@@ -9,7 +9,7 @@ from rrrobot.drive.gaits import Gait
 from rrrobot.errors import GaitError
 from rrrobot.integrate import Integration, Observer, Progress
 from rrrobot.models.base import Model
-from rrrobot.momentum.batch import ROWS_PER_STEP, Setting, march, setting_of, stage_times
+from rrrobot.momentum.batch import ROWS_PER_STEP, Setting, lower, march, stage_times
 from rrrobot.momentum.coefficients import coefficients
 from rrrobot.momentum.kernels import N_STAGES
 from rrrobot.rotations import euler_from_quaternion, euler_rates
@@ -38,7 +38,7 @@ def run(
         ModelError: the robot's shell is no sphere on level ground.
         GaitError: the gait is not finite somewhere.
     """
-    setting = setting_of(model)
+    setting = lower(model)
     pieces = np.maximum(1, np.ceil(np.diff(times) / longest - 1e-9).astype(int))
     states = np.empty((times.size, y0.size))
     states[0] = y0

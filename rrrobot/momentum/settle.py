@@ -33,7 +33,7 @@ from rrrobot.momentum.kernels import (
     VERTICAL,
     step,
 )
-from rrrobot.momentum.setting import Setting
+from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.summary import (
     N_MOTION,
     N_RESULT,

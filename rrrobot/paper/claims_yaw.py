@@ -7,6 +7,7 @@ import math
 import numpy as np
 
 from rrrobot.checks import Array
+from rrrobot.contact.ground import Plane
 from rrrobot.drive.gaits import FourierGait, gait
 from rrrobot.drive.moves import LegMoves, Loops, one_leg_gait, out_of_phase_gait
 from rrrobot.models.full import FullModel
@@ -16,7 +17,7 @@ from rrrobot.paper.item import Item, Result, Row, feature, record
 from rrrobot.paper.settled import both_legs, settled
 from rrrobot.paper.workshop import FREQUENCY, HUMP, Workshop, hump, relative_rms
 from rrrobot.paper.yaw_balance import attitude, yaw_balance
-from rrrobot.reduction.checks import path_controllability, reducibility, weightless
+from rrrobot.reduction.checks import path_controllability, reducibility
 from rrrobot.reduction.yaw import net_yaw
 from rrrobot.simulation.run import simulate
 from rrrobot.steering.yaw_planner import plan_yaw
@@ -102,7 +103,7 @@ def _reductions(shop: Workshop) -> Result:
                 holds=found.reducible == (model.name == "yaw"),
             )
         )  # fmt: skip
-    afloat = reducibility(PivotingModel(weightless(shop.robot), damping=None))
+    afloat = reducibility(PivotingModel(shop.robot, ground=Plane(gravity=0.0), damping=None))
     note = "It reduces: gravity and damping are all that stands in the way."
     name = "pivoting model without gravity and damping, the same"
     rows.append(record(name, afloat.inertia, "rad/s^2", note if afloat.reducible else ""))

@@ -145,7 +145,7 @@ def table_4(
         >>> table.ratio("pivoting", "speed").round(2).tolist()
         [[1.01]]
     """
-    from rrrobot.momentum.batch import Gaits, decoupled_setting, setting_of, steady_states
+    from rrrobot.momentum.batch import Gaits, decoupled_setting, lower, steady_states
 
     rows = vector("offsets", offsets, np.size(offsets), "rad")
     columns = vector("phase_differences", phase_differences, np.size(phase_differences), "rad")
@@ -167,8 +167,8 @@ def table_4(
         steady_states, gaits=gaits, cycles=_CYCLES, counted=_COUNTED, steps_per_cycle=_STEPS
     )
     found = {
-        "full": run(setting_of(FullModel(robot))),
-        "pivoting": run(setting_of(PivotingModel(robot))),
+        "full": run(lower(FullModel(robot))),
+        "pivoting": run(lower(PivotingModel(robot))),
         "decoupled": run(single),
     }
     amplitudes = np.array(

@@ -15,7 +15,7 @@ postures, or there is no reduction (F. Bullo and A. Lewis, Geometric Control of 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -114,18 +114,6 @@ def reducibility(
         inertia=sizes[2],
         reasons=tuple(reasons),
     )
-
-
-def weightless(robot: Robot) -> Robot:
-    """The same robot without gravity.
-
-    Example:
-        >>> import rrrobot as rr
-        >>> robot = rr.weightless(rr.Robot.from_parameters())
-        >>> rr.reducibility(rr.PivotingModel(robot, damping=None)).reducible
-        True
-    """
-    return replace(robot, gravity=0.0)
 
 
 def _residual(model: Model, rng: np.random.Generator) -> Array:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -34,7 +35,8 @@ class RRRobotParameters:
     themselves are massless.
 
     Attributes:
-        leg_mass: M_l, at each leg tip [kg]; a pair gives the two legs different masses.
+        leg_mass: M_l, at each leg tip [kg]; a pair gives the two legs different masses; a pair
+            of one number is that number.
         servo_mass: M_s, at each hip [kg]; or a pair.
         battery_mass: M_b, at (0, 0, -shell_radius) [kg].
         shell_radius: r [m].
@@ -42,6 +44,8 @@ class RRRobotParameters:
         hip_offset: b, from the shell's centre to each hip along the leg axis [m]. The paper
             prints no value; its mass matrix (eq 12) uses r, so b = r in Table 2.
         gravity: g [m/s^2], zero or more.
+        damping: loss on each Euler rate of the body [N m s/rad], eqs (9)-(10); models of this
+            robot take it unless told otherwise.
 
     Raises:
         ParameterError: a mass or a length is not greater than zero and finite.
@@ -63,11 +67,13 @@ class RRRobotParameters:
     leg_length: PerLeg = 0.1
     hip_offset: float = 0.12
     gravity: float = 9.81
+    damping: float = 0.01
 
     def __post_init__(self) -> None:
         for name, unit in _UNITS.items():
             object.__setattr__(self, name, _checked(name, getattr(self, name), unit))
-        object.__setattr__(self, "gravity", finite("gravity", self.gravity, "m/s^2", at_least=0))
+        for name, unit in (("gravity", "m/s^2"), ("damping", "N m s/rad")):
+            object.__setattr__(self, name, finite(name, getattr(self, name), unit, at_least=0))
         if self.ground_clearance <= 0:
             warnings.warn(
                 f"leg_length is {max(self.leg_lengths)} m and shell_radius is "
@@ -107,6 +113,11 @@ class RRRobotParameters:
         """All fields as plain numbers, for metadata and JSON."""
         return asdict(self)
 
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> RRRobotParameters:
+        """The parameters that `to_dict` wrote; pairs may be lists, as in JSON."""
+        return cls(**data)
+
 
 def _pair(value: PerLeg) -> tuple[float, float]:
     return value if isinstance(value, tuple) else (value, value)
@@ -124,5 +135,5 @@ def _checked(name: str, value: Any, unit: str) -> PerLeg:
                 "or a pair."
             )
         first, second = (finite(f"{name}[{i}]", v, unit, above=0) for i, v in enumerate(value))
-        return (first, second)
+        return first if first == second else (first, second)
     return finite(name, value, unit, above=0)

@@ -1,4 +1,4 @@
-"""A robot: URDF -> Pinocchio model with a free-flyer base, a round shell, a ground, named legs."""
+"""A robot: URDF -> Pinocchio model with a free-flyer base, a round shell, named legs."""
 
 from __future__ import annotations
 
@@ -13,12 +13,15 @@ from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite, vector
 from rrrobot.contact.surfaces import SHELL_FRAME, Sphere, Surface, surface_from_dict
-from rrrobot.errors import ParameterError, ShellError, UrdfError
+from rrrobot.errors import ShellError, UrdfError
 from rrrobot.robot.examples import example_urdf
 from rrrobot.robot.joints import build_model, check_masses, movable_joints
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.reader import parse_urdf, read_urdf, root_link
 from rrrobot.robot.urdf import LEGS, rrrobot_urdf
+
+STANDARD_GRAVITY = 9.81
+"""g where neither a ground nor a robot's parameters say otherwise [m/s^2]."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -36,8 +39,8 @@ class Robot:
         shell_link: link that carries the shell; rigidly fixed to the root link.
         shell_center: shell's centre in the frame of `shell_link` (3,) [m].
         locked: positions of the joints that are not legs, held still [rad or m].
-        gravity: g, along -z of the world [m/s^2].
-        ground_normal: unit normal of the ground plane through the world's origin (3,).
+        parameters: what `from_parameters` made it from; None for any other robot. Models take its
+            gravity and damping unless told otherwise.
         package_dirs: folders where `package://` mesh names are looked up.
         model: Pinocchio model; q = (base position, base quaternion xyzw, joints), v = (base
             linear and angular velocity in the base frame, joint velocities).
@@ -55,8 +58,7 @@ class Robot:
     shell_link: str
     shell_center: Array
     locked: Mapping[str, float] = field(default_factory=dict)
-    gravity: float = 9.81
-    ground_normal: Array
+    parameters: RRRobotParameters | None = None
     package_dirs: tuple[str, ...] = ()
     name: str = field(init=False)
     model: pin.Model = field(init=False, repr=False)
@@ -67,18 +69,9 @@ class Robot:
             raise ShellError(
                 f"shell is {self.shell!r}: it must be a surface, such as Sphere(radius=0.12)."
             )
-        normal = vector("ground_normal", self.ground_normal, 3)
-        if normal[2] <= 0:
-            raise ParameterError(
-                f"ground_normal is {normal.tolist()}: it must point up (third entry above zero)."
-            )
-        normal /= np.abs(normal).max()
         set_field = object.__setattr__
-        set_field(self, "ground_normal", normal / np.linalg.norm(normal))
         set_field(self, "shell_center", vector("shell_center", self.shell_center, 3, "m"))
-        set_field(self, "gravity", finite("gravity", self.gravity, "m/s^2", at_least=0))
-        for array in (self.ground_normal, self.shell_center):
-            array.flags.writeable = False
+        self.shell_center.flags.writeable = False
         model = build_model(self.urdf, pin.JointModelFreeFlyer(), self.legs, self.locked)
         model.gravity.linear = np.array((0.0, 0.0, -self.gravity))
         set_field(self, "name", model.name)
@@ -87,12 +80,7 @@ class Robot:
         set_field(self, "model", model)
 
     @classmethod
-    def from_parameters(
-        cls,
-        parameters: RRRobotParameters | None = None,
-        *,
-        ground_normal: ArrayLike = (0.0, 0.0, 1.0),
-    ) -> Robot:
+    def from_parameters(cls, parameters: RRRobotParameters | None = None) -> Robot:
         """RRRobot from its geometry and masses (Table 2 by default)."""
         p = parameters or RRRobotParameters()
         return cls(
@@ -101,8 +89,7 @@ class Robot:
             legs=LEGS,
             shell_link="shell",
             shell_center=np.zeros(3),
-            gravity=p.gravity,
-            ground_normal=vector("ground_normal", ground_normal, 3),
+            parameters=p,
         )
 
     @classmethod
@@ -115,8 +102,6 @@ class Robot:
         locked: Mapping[str, float] | None = None,
         shell_link: str | None = None,
         shell_center: ArrayLike = (0.0, 0.0, 0.0),
-        gravity: float = 9.81,
-        ground_normal: ArrayLike = (0.0, 0.0, 1.0),
         package_dirs: Sequence[str | Path] = (),
     ) -> Robot:
         """Any URDF robot that rolls on a round belly.
@@ -130,8 +115,6 @@ class Robot:
             locked: joint name -> position of held joints [rad or m]; 0 where it is not named.
             shell_link: link that carries the shell; the root link unless given.
             shell_center: centre of the shell in that link's frame (3,) [m].
-            gravity: g [m/s^2], zero or more.
-            ground_normal: normal of the ground plane (3,), any length; gravity stays along -z.
             package_dirs: folders for `package://` mesh names.
 
         Raises:
@@ -166,8 +149,6 @@ class Robot:
             shell_link=shell_link or root_link(parse_urdf(text)),
             shell_center=vector("shell_center", shell_center, 3, "m"),
             locked=held,
-            gravity=gravity,
-            ground_normal=vector("ground_normal", ground_normal, 3),
             package_dirs=tuple(str(folder) for folder in package_dirs),
         )
 
@@ -193,6 +174,11 @@ class Robot:
         return len(self.legs)
 
     @property
+    def gravity(self) -> float:
+        """g [m/s^2] of its parameters, or 9.81; a ground may say otherwise."""
+        return STANDARD_GRAVITY if self.parameters is None else self.parameters.gravity
+
+    @property
     def mass(self) -> float:
         """Total mass [kg]."""
         return float(pin.computeTotalMass(self.model))
@@ -206,8 +192,7 @@ class Robot:
             "shell_link": self.shell_link,
             "shell_center": self.shell_center.tolist(),
             "locked": dict(self.locked),
-            "gravity": self.gravity,
-            "ground_normal": self.ground_normal.tolist(),
+            "parameters": None if self.parameters is None else self.parameters.to_dict(),
             "package_dirs": list(self.package_dirs),
         }
 
@@ -217,6 +202,8 @@ class Robot:
         parts = dict(data)
         parts["shell"] = surface_from_dict(parts["shell"])
         parts["legs"] = tuple(parts["legs"])
+        if parts["parameters"] is not None:
+            parts["parameters"] = RRRobotParameters.from_dict(parts["parameters"])
         parts["package_dirs"] = tuple(parts["package_dirs"])
         return cls(**parts)
 

@@ -130,12 +130,14 @@ def _energy(trajectory: Trajectory, ax: Axes) -> None:
 def _force(trajectory: Trajectory, ax: Axes) -> None:
     robot = trajectory.robot
     normal = trajectory.normal_force
-    tangent = trajectory.contact_force - np.outer(normal, robot.ground_normal)
+    tangent = trajectory.contact_force - normal[:, None] * trajectory.ground_normal
     ax.plot(trajectory.time, normal, label="normal", **line(0))
     ax.plot(trajectory.time, np.linalg.norm(tangent, axis=1), label="tangential", **line(1))
     if trajectory.has_contact:
-        label = "m g" if robot.ground_normal[2] == 1.0 else "m g cos(slope)"
-        weight = robot.mass * robot.gravity * robot.ground_normal[2]
+        # Where the normal changes along the way, the weight's share along it does too.
+        slope = trajectory.ground_normal[0, 2] if trajectory.ground.fixed_normal is not None else 1
+        label = "m g" if slope == 1 else "m g cos(slope)"
+        weight = robot.mass * trajectory.gravity * slope
         ax.axhline(weight, label=label, color=BLACK, linestyle=":", linewidth=1.4)
     tidy(ax, _TIME, "contact force [N]" if trajectory.has_contact else "force of the pivot [N]")
     _whole_time(trajectory, ax)

@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 
 from rrrobot.checks import Array
+from rrrobot.contact.ground import Ground
 from rrrobot.contact.kinematics import sphere_contact_rate
 from rrrobot.drive.gaits import Gait, LegMotion
 from rrrobot.errors import GaitError, ModelError
@@ -104,7 +105,7 @@ def decoupled(
     states, times = result.states, times[: len(result.states)]
     angular = np.array([accelerations(t, y) for t, y in zip(times, states, strict=True)])
     metadata = {
-        "model": {"name": "decoupled"} | {m.name: m.to_dict() for m in models},
+        "model": {"type": "decoupled"} | {m.name: m.to_dict() for m in models},
         "gait": gait.to_dict(),
         "yaw_gait": gaits[2].to_dict(),
         "period": gait.period,
@@ -112,7 +113,7 @@ def decoupled(
         "integration": {"evaluations": result.evaluations} | stepping.to_dict(),
         "versions": versions(),
     }
-    trajectory = _recombine(robot, times, states, angular, gait(times), metadata)
+    trajectory = _recombine(robot, models[0].ground, times, states, angular, gait(times), metadata)
     raise_if_stopped(result, trajectory, lambda y: f"roll, pitch, yaw = {y[:3].tolist()} rad")
     return trajectory
 
@@ -125,6 +126,7 @@ def _acceleration(model: SingleAxisModel, leg: LegMotion, y: Array) -> float:
 
 def _recombine(
     robot: Robot,
+    ground: Ground,
     times: Array,
     states: Array,
     angular: Array,
@@ -132,7 +134,8 @@ def _recombine(
     metadata: dict[str, Any],
 ) -> Trajectory:
     """Trajectory of the whole robot with this rotation, rolling, by inverse dynamics."""
-    n, body, radius = len(times), FullModel(robot), pivot_radius(robot, "decoupled")
+    n, body = len(times), FullModel(robot, ground=ground)
+    radius = pivot_radius(robot, "decoupled", ground)
     quaternion, omega = quaternion_from_euler(states[:, :3]), np.empty((n, 3))
     force, energy = np.empty((n, 3)), np.empty(n)
     torque = np.empty((n, robot.n_legs))
@@ -158,6 +161,7 @@ def _recombine(
         energy[i] = sum(body.energy(q, v))
     return assemble(
         robot,
+        ground,
         None,
         time=times,
         euler=states[:, :3].copy(),

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, vector
 from rrrobot.constraints import RollingContact
+from rrrobot.contact.ground import Ground
 from rrrobot.drive.gaits import Gait, LegMotion
 from rrrobot.drive.torques import LegTorques, MotionState
 from rrrobot.errors import GaitError, ParameterError, SimulationError, SimulationInterrupted
@@ -29,8 +30,9 @@ from rrrobot.integrate import (
     integrate,
     sample_times,
 )
-from rrrobot.models.base import VERTICAL_PITCH, Dynamics, Model, Placement
+from rrrobot.models.base import VERTICAL_PITCH, Model
 from rrrobot.models.full import FullModel
+from rrrobot.models.terms import Dynamics, Placement
 from rrrobot.robot.robot import Robot
 from rrrobot.rotations import (
     continuous_euler,
@@ -239,9 +241,10 @@ class _System:
             q[i], v[i] = solution.q, solution.v
             kinetic, potential = model.energy(solution.q, solution.v)
             energy[i] = kinetic + potential
-        free_flyer = (q, v) if model.model is model.robot.model else None
+        free_flyer = (q, v) if isinstance(model, FullModel) else None
         return assemble(
             model.robot,
+            model.ground,
             free_flyer,
             time=times,
             euler=euler,
@@ -267,6 +270,7 @@ class _System:
 
 def assemble(
     robot: Robot,
+    ground: Ground,
     free_flyer: tuple[Array, Array] | None,
     *,
     quaternion: Array,
@@ -278,8 +282,10 @@ def assemble(
     Unless free-flyer (q, v) are given, places the robot's base so that its shell rolls on the
     ground; in either case measures slip and height error by Pinocchio's kinematics.
     """
-    configuration, velocity = free_flyer or _rolling_motion(robot, quaternion, omega_body, fields)
-    rolling = RollingContact.of(robot)
+    configuration, velocity = free_flyer or _rolling_motion(
+        robot, ground, quaternion, omega_body, fields
+    )
+    rolling = RollingContact.of(robot, ground)
     data = robot.model.createData()
     residual, height = np.empty((len(quaternion), 3)), np.empty(len(quaternion))
     for i, (q, v) in enumerate(zip(configuration, velocity, strict=True)):
@@ -287,6 +293,7 @@ def assemble(
         height[i] = rolling.height(data)
     return Trajectory(
         robot=robot,
+        ground=ground,
         euler_rates=euler_rates(fields["euler"], omega_body),
         slip=np.linalg.norm(residual, axis=1),
         height_error=height,
@@ -297,10 +304,10 @@ def assemble(
 
 
 def _rolling_motion(
-    robot: Robot, quaternion: Array, omega_body: Array, fields: dict[str, Any]
+    robot: Robot, ground: Ground, quaternion: Array, omega_body: Array, fields: dict[str, Any]
 ) -> tuple[Array, Array]:
     """Free-flyer q (n, nq) and v (n, nv) of the robot that rolls with the given rotation."""
-    body = FullModel(robot, damping=None)
+    body = FullModel(robot, ground=ground, damping=None)
     n = len(quaternion)
     configuration, velocity = np.empty((n, robot.model.nq)), np.empty((n, robot.model.nv))
     for i in range(n):

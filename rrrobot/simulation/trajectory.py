@@ -12,12 +12,13 @@ from typing import Any
 import numpy as np
 
 from rrrobot.checks import Array
+from rrrobot.contact.ground import Ground, ground_from_dict, normals
 from rrrobot.errors import ModelError, OutputError
 from rrrobot.files import write_whole
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.steady import SteadyState, steady_state
 
-FORMAT = "rrrobot trajectory 1"
+FORMAT = "rrrobot trajectory 2"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -39,6 +40,7 @@ class Trajectory:
         velocity: free-flyer v of `robot.model` (n, nv).
         state: the model's own state vector (n, ny); the last row continues a simulation.
         robot: the robot.
+        ground: what it rolls on; `position` is in its coordinates.
         metadata: model, gait or torques, integrator, versions; plain data.
 
     Example:
@@ -63,12 +65,13 @@ class Trajectory:
     velocity: Array
     state: Array
     robot: Robot = field(repr=False)
+    ground: Ground = field(repr=False)
     metadata: Mapping[str, Any] = field(default_factory=dict, repr=False)
 
     @property
     def model_name(self) -> str:
         """Name of the model that made it."""
-        return str(self.metadata.get("model", {}).get("name", "unknown"))
+        return str(self.metadata.get("model", {}).get("type", "unknown"))
 
     @property
     def period(self) -> float | None:
@@ -81,9 +84,22 @@ class Trajectory:
         return bool(self.metadata.get("has_contact", True))
 
     @property
+    def gravity(self) -> float:
+        """g that acted [m/s^2]."""
+        return self.robot.gravity if self.ground.gravity is None else self.ground.gravity
+
+    @property
+    def ground_normal(self) -> Array:
+        """Unit normal of the ground at the contact point (n, 3)."""
+        return normals(self.ground, self.position)
+
+    @property
     def normal_force(self) -> Array:
         """Contact force along the ground's normal (n,) [N]."""
-        return self.contact_force @ self.robot.ground_normal
+        fixed = self.ground.fixed_normal
+        if fixed is not None:
+            return self.contact_force @ fixed
+        return np.sum(self.contact_force * self.ground_normal, axis=1)
 
     @property
     def required_friction(self) -> Array:
@@ -99,7 +115,7 @@ class Trajectory:
                 f"the {self.model_name} model is pivoted: it has no contact that could slip."
             )
         normal = self.normal_force
-        tangent = self.contact_force - np.outer(normal, self.robot.ground_normal)
+        tangent = self.contact_force - normal[:, None] * self.ground_normal
         size = np.linalg.norm(tangent, axis=1)
         return np.divide(size, normal, out=np.full_like(size, np.inf), where=normal > 0)
 
@@ -152,6 +168,7 @@ class Trajectory:
         header = {
             "format": FORMAT,
             "robot": self.robot.to_dict(),
+            "ground": self.ground.to_dict(),
             "metadata": dict(self.metadata),
         }
         try:
@@ -182,7 +199,8 @@ class Trajectory:
                 arrays = {name: archive[name] for name in _ARRAYS}
             robot = Robot.from_dict(header["robot"])
             _check_arrays(arrays, robot)
-            return cls(robot=robot, metadata=dict(header["metadata"]), **arrays)
+            ground = ground_from_dict(header["ground"])
+            return cls(robot=robot, ground=ground, metadata=dict(header["metadata"]), **arrays)
         except FileNotFoundError:
             raise OutputError(f"there is no file {str(path)!r}: check the path.") from None
         except Exception as error:  # a damaged archive raises almost anything
@@ -207,7 +225,7 @@ class Trajectory:
         return f"Trajectory({', '.join(parts)})"
 
 
-_ARRAYS = tuple(f.name for f in fields(Trajectory) if f.name not in ("robot", "metadata"))
+_ARRAYS = tuple(f.name for f in fields(Trajectory) if f.name not in ("robot", "ground", "metadata"))
 
 
 def _check_arrays(arrays: Mapping[str, Array], robot: Robot) -> None:

@@ -20,7 +20,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.contact.surfaces import ground_basis
+from rrrobot.contact.ground import Ground, Plane
+from rrrobot.errors import ParameterError
 from rrrobot.robot.robot import Robot
 from rrrobot.view.commands import (
     FIELD_OF_VIEW,
@@ -87,6 +88,7 @@ class Scene:
             robot in all poses that `hold` was told of [m].
         spacing: of the grid's lines, as the last `stage` has set it [m].
         detail: of the trace: its points may be this far from each other [m].
+        normal: of the ground plane (3,).
         basis: columns span the ground plane, and its normal (3, 3).
 
     Example:
@@ -99,11 +101,14 @@ class Scene:
         0.1
     """
 
-    def __init__(self, robot: Robot) -> None:
+    def __init__(self, robot: Robot, ground: Ground | None = None) -> None:
         self.robot = robot
+        plane = Plane() if ground is None else ground
+        if not isinstance(plane, Plane):
+            raise ParameterError(f"the viewer draws planes, and the ground is {plane!r}.")
+        self.normal, self.basis = plane.normal_vector, plane.basis
         self.visuals = robot_visuals(robot)
         self.joints = sorted({1, *(visual.joint for visual in self.visuals)})
-        self.basis = ground_basis(robot.ground_normal)
         self._data = robot.model.createData()
         self.size = _shell_size(robot)
         self.reach = _AXIS * self.size
@@ -116,13 +121,13 @@ class Scene:
         pin.forwardKinematics(self.robot.model, self._data, configuration)
         joints = {joint: pin.SE3(self._data.oMi[joint]) for joint in self.joints}
         shell = joints[1] * self.robot.shell_placement
-        arm = self.robot.shell.arm(shell.rotation, self.robot.ground_normal)
+        arm = self.robot.shell.arm(shell.rotation, self.normal)
         return Pose(joints, shell.translation, self.basis[:, :2].T @ (shell.translation + arm))
 
     def rest(self) -> Pose:
         """Upright at the origin, each leg at its zero."""
         q = pin.neutral(self.robot.model)
-        place, normal = self.robot.shell_placement, self.robot.ground_normal
+        place, normal = self.robot.shell_placement, self.normal
         q[:3] = -place.translation - self.robot.shell.arm(place.rotation, normal)
         return self.pose(q)
 
@@ -174,7 +179,7 @@ class Scene:
         """
         seen = centers[:1] if follow else centers
         middle, _ = self._ball(seen)
-        up = self.robot.ground_normal
+        up = self.normal
         way = seen[-1] - seen[0]
         way = way - (way @ up) * up
         distance = float(np.linalg.norm(way))

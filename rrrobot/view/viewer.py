@@ -16,6 +16,7 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, vector
+from rrrobot.contact.ground import Ground, Plane
 from rrrobot.errors import ModelError, OutputError, ParameterError
 from rrrobot.files import check_writable, write_whole
 from rrrobot.robot.robot import Robot
@@ -77,7 +78,7 @@ def record(
     if target.suffix.lower() not in (".html", ".htm"):
         raise OutputError(f"cannot write {str(target)!r}: a film's file ends in .html.")
     _check_trace(trace)
-    scene = Scene(trajectory.robot)
+    scene = Scene(trajectory.robot, trajectory.ground)
     film = make_film(trajectory, fps=fps, speed=speed, detail=scene.detail)
     poses = [scene.pose(q) for q in film.configuration]
     scene.hold(poses)
@@ -102,6 +103,7 @@ class Viewer:
 
     Args:
         robot: the robot to show, at first at its neutral configuration.
+        ground: what it stands on; level ground unless given.
         open_browser: whether to open the page in the default browser.
         port: of the page; any free one if None.
         trace: whether to draw the contact point's path.
@@ -130,6 +132,7 @@ class Viewer:
         self,
         robot: Robot,
         *,
+        ground: Ground | None = None,
         open_browser: bool = False,
         port: int | None = None,
         trace: bool = True,
@@ -139,8 +142,9 @@ class Viewer:
         if port is not None and not (type(port) is int and 0 < port < 65536):
             raise ParameterError(f"port is {port!r}: it must be an integer from 1 to 65535.")
         self.robot = robot
+        self.ground = Plane() if ground is None else ground
         self._trace, self._follow = trace, follow
-        self._scene = Scene(robot)
+        self._scene = Scene(robot, self.ground)
         self._server = SceneServer(robot.name, port)
         self.url = self._server.url
         pose = self._scene.rest()
@@ -189,6 +193,11 @@ class Viewer:
             raise ModelError(
                 f"the trajectory is of {trajectory.robot!r}, the viewer of {self.robot!r}: make "
                 "a Viewer of the trajectory's robot."
+            )
+        if trajectory.ground != self.ground:
+            raise ModelError(
+                f"the trajectory is on {trajectory.ground!r}, the viewer shows {self.ground!r}: "
+                "make a Viewer(robot, ground=trajectory.ground)."
             )
         film = make_film(trajectory, fps=fps, speed=speed, detail=self._scene.detail)
         poses = [

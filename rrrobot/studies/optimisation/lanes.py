@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.models.base import Model
-from rrrobot.momentum.batch import RESULT, FourierGaits, Setting, setting_of, settled
+from rrrobot.momentum.batch import RESULT, FourierGaits, Setting, lower, settled
 from rrrobot.momentum.coefficients import Tree
 from rrrobot.momentum.extremes import LOADS, extremes
 from rrrobot.momentum.kernels import LIFT_OFF, OK
-from rrrobot.momentum.setting import VERTICAL
+from rrrobot.momentum.lowering import VERTICAL
 from rrrobot.studies.optimisation.space import Population
 from rrrobot.studies.optimisation.table import COLUMNS
 
@@ -82,4 +82,4 @@ def engine_of(model: Model, settle_time: float) -> Engine:
     Raises:
         ModelError: the momentum engine cannot run it.
     """
-    return Engine(setting_of(model)._replace(limit=VERTICAL), settle_time)
+    return Engine(lower(model)._replace(limit=VERTICAL), settle_time)

@@ -136,10 +136,17 @@ def _clearance(trajectory: Trajectory, samples: slice) -> float:
     joints = [model.getJointId(name) for name in robot.legs]
     joints = [j for j in joints if model.inertias[j].mass > 0]
     lowest = np.inf
-    for q in trajectory.configuration[samples]:
+    at = zip(
+        trajectory.configuration[samples],
+        trajectory.ground_normal[samples],
+        trajectory.position[samples],
+        strict=True,
+    )
+    for q, normal, position in at:
+        foot = trajectory.ground.point(position)
         pin.forwardKinematics(model, data, q)
         for j in joints:
-            height = robot.ground_normal @ data.oMi[j].act(model.inertias[j].lever)
+            height = normal @ (data.oMi[j].act(model.inertias[j].lever) - foot)
             lowest = min(lowest, float(height))
     return lowest
 

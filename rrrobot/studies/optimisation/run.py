@@ -145,7 +145,7 @@ def check_whole(name: str, value: object, least: int) -> None:
 
 def weight_of(model: Model) -> float:
     """Weight that the ground carries [N]; 0 for a pivoted model, which cannot lift off."""
-    return model.robot.mass * model.robot.gravity if model.rolling is not None else 0.0
+    return model.robot.mass * model.gravity if model.rolling is not None else 0.0
 
 
 def _result(

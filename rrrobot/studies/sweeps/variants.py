@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -21,9 +21,7 @@ from rrrobot.errors import GroundClearanceWarning, ModelError, ParameterError
 from rrrobot.models.base import Model
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.robot.parameters import RRRobotParameters
-from rrrobot.robot.reader import parse_urdf
 from rrrobot.robot.robot import Robot
-from rrrobot.robot.urdf import LEGS
 
 if TYPE_CHECKING:
     from rrrobot.momentum.batch import Gaits
@@ -70,7 +68,7 @@ class DecoupledModels:
 
     def to_dict(self) -> dict[str, Any]:
         """What the models are, as plain data for metadata."""
-        return {"name": self.name} | {model.name: model.to_dict() for model in self.models}
+        return {"type": self.name} | {model.name: model.to_dict() for model in self.models}
 
 
 Swept = Model | DecoupledModels
@@ -98,7 +96,7 @@ def engine_of(model: Swept) -> tuple[Engine, Any]:
     Raises:
         ModelError: there is none.
     """
-    from rrrobot.momentum.batch import decoupled_setting, setting_of, steady_states
+    from rrrobot.momentum.batch import decoupled_setting, lower, steady_states
 
     if isinstance(model, DecoupledModels):
         return steady_states, decoupled_setting(model.robot, *model.models)
@@ -106,14 +104,14 @@ def engine_of(model: Swept) -> tuple[Engine, Any]:
         raise ModelError(
             f"model is {model!r}: it must be a model, such as FullModel(robot), or DecoupledModels."
         )
-    return steady_states, setting_of(model)
+    return steady_states, lower(model)
 
 
 def remade(model: Swept, robot: Robot) -> Swept:
     """The same model of another robot."""
     if isinstance(model, DecoupledModels):
         return DecoupledModels(robot, *(remade(part, robot) for part in model.models))  # type: ignore[arg-type]
-    return type(model)(robot, damping=model.damping)  # type: ignore[call-arg]
+    return model.remade(robot)
 
 
 class Variants:
@@ -127,7 +125,7 @@ class Variants:
         self._model = model
         self._grids = {name: np.atleast_1d(np.asarray(grid)) for name, grid in grids.items()}
         self._last: tuple[int, tuple[Engine, Any, Robot]] | None = None
-        self.base = parameters_of(model.robot)
+        self.base = model.robot.parameters
         if grids and self.base is None:
             raise ParameterError(
                 f"parameters= are RRRobot's, and the model's robot is {model.robot!r}: make it "
@@ -155,39 +153,6 @@ class Variants:
             # What counts is whether a gait swings a leg through the ground.
             warnings.simplefilter("ignore", GroundClearanceWarning)
             return replace(self.base or RRRobotParameters(), **values)
-
-
-def parameters_of(robot: Robot) -> RRRobotParameters | None:
-    """Parameters of a robot that `Robot.from_parameters` made; None of another."""
-    root = parse_urdf(robot.urdf)
-    links = {element.get("name"): element for element in root.iter("link")}
-    joints = {element.get("name"): element for element in root.iter("joint")}
-
-    def number(element: Any, path: str, key: str, entry: int = 0) -> float:
-        return float(element.find(path).get(key).split()[entry])
-
-    def both(names: Sequence[str], path: str, key: str) -> Any:
-        one, two = (number(links[name], path, key) for name in names)
-        return one if one == two else (one, two)
-
-    try:
-        tips, servos = [f"{leg}_link" for leg in LEGS], ("servo_1", "servo_2")
-        values = {
-            "leg_mass": both(tips, "inertial/mass", "value"),
-            "servo_mass": both(servos, "inertial/mass", "value"),
-            "battery_mass": number(links["battery"], "inertial/mass", "value"),
-            "shell_radius": robot.shell.radius,  # type: ignore[attr-defined]
-            "leg_length": both(tips, "inertial/origin", "xyz"),
-            "hip_offset": number(joints[LEGS[1]], "origin", "xyz", 1),
-            "gravity": robot.gravity,
-        }
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", GroundClearanceWarning)
-            found = RRRobotParameters(**values)
-        same = Robot.from_parameters(found, ground_normal=robot.ground_normal) == robot
-    except (KeyError, AttributeError, IndexError, ValueError):
-        return None
-    return found if same else None
 
 
 def clearance(robot: Robot, gaits: Gaits) -> Array:
