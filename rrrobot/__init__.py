@@ -13,6 +13,7 @@ from rrrobot.constraints import (
 from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.kinematics import contact_path, contact_velocity, sphere_contact_rate
 from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
+from rrrobot.drive.controllers import PID, Delayed, RandomTorques, SumOfLaws
 from rrrobot.drive.damping import BodyRateDamping, Damping, EulerRateDamping
 from rrrobot.drive.gaits import (
     CallableGait,
@@ -24,8 +25,9 @@ from rrrobot.drive.gaits import (
     StillLegs,
     gait,
 )
+from rrrobot.drive.laws import Clock, Memory, MotionState, TorqueLaw
 from rrrobot.drive.moves import LegMoves, one_leg_gait, out_of_phase_gait
-from rrrobot.drive.torques import LegTorques, MotionState
+from rrrobot.drive.torques import LegTorques
 from rrrobot.errors import (
     ConstraintError,
     GaitError,
@@ -38,6 +40,7 @@ from rrrobot.errors import (
     ShellError,
     SimulationError,
     SimulationInterrupted,
+    SlowWarning,
     SweepInterrupted,
     UrdfError,
 )
@@ -53,6 +56,7 @@ from rrrobot.kkt import (
 )
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
+from rrrobot.models.recombined import DecoupledModels
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.orbits.oscillations import (
     Mode,
@@ -88,8 +92,11 @@ from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.robot import Robot
 from rrrobot.robot.urdf import reduced_urdf, rrrobot_urdf, urdf_path
 from rrrobot.serial import register
+from rrrobot.simulation.events import Event, Hit, Snapshot, lift_off, vertical
+from rrrobot.simulation.flow import Evolution, Flow, MomentumFlow
 from rrrobot.simulation.recombined import decoupled
 from rrrobot.simulation.run import simulate
+from rrrobot.simulation.state import State
 from rrrobot.simulation.steady import SteadyState
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.steering.yaw_planner import YawPlan, plan_yaw
@@ -110,12 +117,13 @@ from rrrobot.studies.optimisation.result import OptimisedGait, gait_from_dict
 from rrrobot.studies.optimisation.run import optimise
 from rrrobot.studies.optimisation.table import GaitLimits
 from rrrobot.studies.sweeps.run import sweep
-from rrrobot.studies.sweeps.variants import DecoupledModels
 from rrrobot.view.viewer import Viewer, record
 
 __all__ = [
+    "PID",
     "BodyRateDamping",
     "CallableGait",
+    "Clock",
     "Comparison",
     "Connection",
     "Constraint",
@@ -124,9 +132,13 @@ __all__ = [
     "Controllability",
     "Damping",
     "DecoupledModels",
+    "Delayed",
     "Ellipsoid",
     "EulerRateDamping",
+    "Event",
+    "Evolution",
     "FastestTravel",
+    "Flow",
     "FourierGait",
     "FullModel",
     "Gait",
@@ -134,6 +146,7 @@ __all__ = [
     "GaitLimits",
     "Ground",
     "GroundClearanceWarning",
+    "Hit",
     "Instant",
     "KKTSolution",
     "KKTSystem",
@@ -141,9 +154,11 @@ __all__ = [
     "LegMotion",
     "LegMoves",
     "LegTorques",
+    "Memory",
     "MissingExtraError",
     "Mode",
     "ModelError",
+    "MomentumFlow",
     "MotionState",
     "OptimalCycle",
     "OptimisedGait",
@@ -158,6 +173,7 @@ __all__ = [
     "RRRobotError",
     "RRRobotParameters",
     "RampIn",
+    "RandomTorques",
     "Reducibility",
     "Robot",
     "RollModel",
@@ -166,14 +182,19 @@ __all__ = [
     "SimulationError",
     "SimulationInterrupted",
     "SinusoidalGait",
+    "SlowWarning",
+    "Snapshot",
     "Sphere",
+    "State",
     "SteadyState",
     "StillLegs",
+    "SumOfLaws",
     "Surface",
     "SweepInterrupted",
     "Table4",
     "TargetMotion",
     "TightestTurn",
+    "TorqueLaw",
     "Trajectory",
     "UrdfError",
     "Viewer",
@@ -195,6 +216,7 @@ __all__ = [
     "height_grid",
     "kkt_build",
     "kkt_solve",
+    "lift_off",
     "matching_yaw_amplitude",
     "measured_period",
     "modes",
@@ -226,6 +248,7 @@ __all__ = [
     "table_3",
     "table_4",
     "urdf_path",
+    "vertical",
     "yaw_drift",
     "yaw_mass_matrix",
     "zero_set",

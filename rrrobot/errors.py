@@ -104,3 +104,7 @@ class SweepInterrupted(RRRobotError, RuntimeError, KeyboardInterrupt):
 
 class GroundClearanceWarning(UserWarning):
     """A leg can touch the ground, which no model here takes into account."""
+
+
+class SlowWarning(UserWarning):
+    """A run takes long; the message says how many steps and why."""

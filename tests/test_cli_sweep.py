@@ -22,7 +22,7 @@ from rrrobot.cli.sweep import sweep_command
 from rrrobot.cli.sweep_grids import parse_grid
 from rrrobot.cli.sweep_report import draw_paper
 from rrrobot.studies.sweeps.run import sweep
-from rrrobot.studies.sweeps.variants import DecoupledModels
+from rrrobot.models.recombined import DecoupledModels
 
 pytestmark = pytest.mark.usefixtures("compiled_engine")
 

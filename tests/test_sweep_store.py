@@ -24,7 +24,7 @@ from rrrobot.studies.sweeps import store as sweep_store
 from rrrobot.studies.sweeps import variants as sweep_models
 from rrrobot.studies.sweeps.run import sweep
 from rrrobot.studies.sweeps.store import NOT_COMPUTED, curvature, pending
-from rrrobot.studies.sweeps.variants import DecoupledModels
+from rrrobot.models.recombined import DecoupledModels
 
 sweep_module = import_module("rrrobot.studies.sweeps.run")
 """`rr.sweep` is the function."""

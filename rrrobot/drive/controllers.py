@@ -80,8 +80,9 @@ class PID(TorqueLaw):
         return self._errors(state)[0] if memory.continuous.size else memory.continuous
 
     def tick(self, state: MotionState, memory: Memory, clock: int, k: int) -> Memory:
-        total = memory.held[: state.leg_angle.size] + float(self.sample_time or 0.0) * (
-            self._errors(state)[0]
+        total = (
+            memory.held[: state.leg_angle.size]
+            + float(self.sample_time or 0.0) * (self._errors(state)[0])
         )
         return Memory(held=np.concatenate((total, self._output(state, total))))
 
@@ -282,7 +283,9 @@ class SumOfLaws(TorqueLaw):
 
     def torque(self, state: MotionState, memory: Memory) -> Array:
         parts = self._parts(memory, state.leg_angle.size)
-        torques = [np.asarray(law.torque(state, m)) for law, m in zip(self.laws, parts, strict=True)]
+        torques = [
+            np.asarray(law.torque(state, m)) for law, m in zip(self.laws, parts, strict=True)
+        ]
         return np.asarray(sum(torques[1:], torques[0]))
 
     def fresh(self) -> TorqueLaw:

@@ -41,6 +41,7 @@ from rrrobot.kkt import kkt_build, kkt_solve
 from rrrobot.models.terms import Dynamics, Equations, Placement
 from rrrobot.robot.joints import JointIndex
 from rrrobot.robot.robot import Robot
+from rrrobot.rotations import continuous_euler, euler_from_quaternion
 
 VERTICAL_PITCH = np.deg2rad(89.5)
 """Pitch at which a model stops that is singular at 90 degrees [rad]."""
@@ -225,6 +226,16 @@ class Model(ABC):
             force = self.support_force(q, v, acceleration)
         torque = forces[self._prescribed.name] if leg_torque is None else leg_torque
         return Dynamics(acceleration, force, torque, q, v, forces)
+
+    def quasi_rate(
+        self, place: Placement, quasi: Array, leg: LegMotion, time: float = 0.0
+    ) -> Array:
+        """Rates of the quasi-velocities (n_quasi,) under prescribed legs."""
+        return self.quasi_acceleration(self.dynamics(place, quasi, leg, time=time).acceleration)
+
+    def turned(self, poses: Array, now: Array) -> Array:
+        """Roll, pitch, yaw (n, 3) [rad] of poses (n, n_pose), without jumps from `now` (3,) on."""
+        return continuous_euler(euler_from_quaternion(self.quaternions(poses)), now)
 
     def equations(self, q: Array, v: Array) -> Equations:
         """M, C and G at Pinocchio's q (nq,) and v (nv,): the left side of eqs (1), (6) and (11).

@@ -16,6 +16,8 @@ from rrrobot.contact.ground import Ground, ground_from_dict, normals
 from rrrobot.errors import ModelError, OutputError
 from rrrobot.files import write_whole
 from rrrobot.robot.robot import Robot
+from rrrobot.simulation.events import Hit
+from rrrobot.simulation.state import State
 from rrrobot.simulation.steady import SteadyState, steady_state
 
 FORMAT = "rrrobot trajectory 2"
@@ -38,7 +40,10 @@ class Trajectory:
         height_error: distance of the shell's lowest point from the ground (n,) [m].
         configuration: free-flyer q of `robot.model` (n, nq), for the viewer and for Pinocchio.
         velocity: free-flyer v of `robot.model` (n, nv).
-        state: the model's own state vector (n, ny); the last row continues a simulation.
+        state: the model's own state vector (n, ny).
+        memory: what the drive remembers (n, k); k = 0 for one that does not.
+        events: those that were found, in order of time.
+        final_state: the end, from which `simulate(..., state=)` goes on; None once loaded.
         robot: the robot.
         ground: what it rolls on; `position` is in its coordinates.
         metadata: model, gait or torques, integrator, versions; plain data.
@@ -67,6 +72,9 @@ class Trajectory:
     robot: Robot = field(repr=False)
     ground: Ground = field(repr=False)
     metadata: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    memory: Array = field(default_factory=lambda: np.empty((0, 0)), repr=False)
+    events: tuple[Hit, ...] = field(default=(), repr=False)
+    final_state: State | None = field(default=None, repr=False)
 
     @property
     def model_name(self) -> str:
@@ -225,7 +233,8 @@ class Trajectory:
         return f"Trajectory({', '.join(parts)})"
 
 
-_ARRAYS = tuple(f.name for f in fields(Trajectory) if f.name not in ("robot", "ground", "metadata"))
+_OTHERS = ("robot", "ground", "metadata", "events", "final_state")
+_ARRAYS = tuple(f.name for f in fields(Trajectory) if f.name not in _OTHERS)
 
 
 def _check_arrays(arrays: Mapping[str, Array], robot: Robot) -> None:
@@ -241,6 +250,7 @@ def _check_arrays(arrays: Mapping[str, Array], robot: Robot) -> None:
         "configuration": model.nq,
         "velocity": model.nv,
         "state": arrays["state"].shape[-1],
+        "memory": arrays["memory"].shape[-1],
     }
     n = arrays["time"].size
     for name, array in arrays.items():
