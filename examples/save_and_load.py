@@ -19,7 +19,7 @@ first = rr.Trajectory.load(saved)
 print(first, first.metadata["gait"])
 
 # Whole cycles were simulated, so the gait begins again where it stopped.
-second = rr.simulate(model, gait, 10 * period, period / 60, state=first.state[-1])
+second = rr.simulate(model, gait, 10 * period, period / 60, state=first.final_state)
 at_once = rr.simulate(model, gait, 20 * period, period / 60)
 gap = np.abs(second.position[-1] - at_once.position[-1]).max()
 print(f"in two parts and in one: {gap:.1e} m apart")

@@ -93,7 +93,8 @@ from rrrobot.robot.robot import Robot
 from rrrobot.robot.urdf import reduced_urdf, rrrobot_urdf, urdf_path
 from rrrobot.serial import register
 from rrrobot.simulation.events import Event, Hit, Snapshot, lift_off, vertical
-from rrrobot.simulation.flow import Evolution, Flow, MomentumFlow
+from rrrobot.simulation.fast import MomentumFlow
+from rrrobot.simulation.flow import Evolution, Flow
 from rrrobot.simulation.recombined import decoupled
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.state import State

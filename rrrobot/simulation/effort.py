@@ -53,8 +53,8 @@ class Effort:
                     self._look = 0
                     _warn(
                         f"steps of {mean:.3g} s on average make {expected:.3g} steps for "
-                        f"{self._end - self._start:.4g} s: this takes long, as {self._why(now, y)}. "
-                        "Shorten the run, loosen rtol and atol, or soften what is stiff."
+                        f"{self._end - self._start:.4g} s: this takes long, as "
+                        f"{self._why(now, y)}. Shorten the run, loosen rtol and atol, or soften what is stiff."
                     )
             if self.told is not None:
                 self.told(now)

@@ -1,7 +1,7 @@
 """The flow of a model under a drive: a state at one time to the state at another.
 
 `Flow` is the general form, by the KKT system, for any model, prescribed legs or torques.
-`MomentumFlow` is the fast form for prescribed legs on a sphere on level ground.
+`MomentumFlow` of `fast.py` is the fast form for prescribed legs on a sphere on level ground.
 """
 
 from __future__ import annotations
@@ -17,16 +17,16 @@ from rrrobot.checks import Array, finite, vector
 from rrrobot.drive.gaits import Gait
 from rrrobot.drive.laws import Memory, MotionState, TorqueLaw
 from rrrobot.drive.torques import LegTorques
-from rrrobot.errors import GaitError, ModelError, ParameterError
+from rrrobot.errors import GaitError, ParameterError
 from rrrobot.integrate import ATOL, RTOL, Integration, Progress, Stepping, Watch, integrate
-from rrrobot.models.base import VERTICAL_PITCH, Model
+from rrrobot.models.base import Model
 from rrrobot.models.recombined import NEEDS_GAIT, DecoupledModels
 from rrrobot.models.terms import Dynamics, Placement
-from rrrobot.rotations import euler_from_rotation, rotation_from_quaternion
 from rrrobot.simulation.effort import Effort
 from rrrobot.simulation.events import Event, Hit, Lookout, Snapshot
 from rrrobot.simulation.memory import Recall
 from rrrobot.simulation.state import State
+from rrrobot.simulation.track import Track
 
 Drive = Gait | LegTorques
 
@@ -205,7 +205,7 @@ class Flow:
         torque_driven = isinstance(self.drive, LegTorques)
         state.require(self.model, torque_driven=torque_driven)
         recall = Recall(self.model, self.drive, state) if torque_driven else None
-        track = _Track(self.model, state.euler, times.size, recall)
+        track = Track(self.model, state.euler, times.size, recall)
         effort = Effort(self, times, progress)
         result, lane, hits = self._run(state, times, recall, track, tuple(events), effort)
         n = len(result.states)
@@ -230,7 +230,7 @@ class Flow:
         state: State,
         times: Array,
         recall: Recall | None,
-        track: _Track,
+        track: Track,
         events: tuple[Event, ...],
         effort: Effort,
     ) -> tuple[Integration, Array | None, tuple[Hit, ...]]:
@@ -316,110 +316,8 @@ class Flow:
         return Snapshot(self.model, time, y[: self.size], solve)
 
 
-class MomentumFlow(Flow):
-    """The flow by the contact momentum: prescribed legs, a sphere on level ground, fixed steps.
-
-    Every sample interval is divided into equal steps of at most `step`.
-
-    Raises:
-        GaitError: the legs are driven by torques.
-        ParameterError: a tolerance, which would do nothing.
-    """
-
-    method = "momentum"
-
-    def __init__(
-        self,
-        model: Model,
-        drive: Drive,
-        *,
-        step: float | None = None,
-        rtol: float | None = None,
-        atol: float | None = None,
-    ) -> None:
-        self._refuse("method 'momentum', whose steps are fixed: set step=", rtol=rtol, atol=atol)
-        super().__init__(model, drive, step=step)
-        if not isinstance(drive, Gait):
-            raise GaitError("method 'momentum' needs a prescribed gait; use 'kkt' for torques.")
-        self.stepping = self.stepping._replace(step=self.stepping.step or self.stepping.max_step)
-
-    def _run(
-        self,
-        state: State,
-        times: Array,
-        recall: Recall | None,
-        track: _Track,
-        events: tuple[Event, ...],
-        effort: Effort,
-    ) -> tuple[Integration, Array | None, tuple[Hit, ...]]:
-        if events:
-            raise ModelError(
-                "method 'momentum' has no states between its samples, so it cannot locate events: "
-                "use 'kkt'."
-            )
-        # Numba loads here, so that it costs nobody who does not use it.
-        from rrrobot.momentum.run import run
-
-        longest = self.stepping.step or self.stepping.max_step
-        result, lane = run(
-            self.model,
-            self.drive,  # type: ignore[arg-type]
-            state.vector,
-            times,
-            longest,
-            observer=track,
-            progress=effort.told,
-            lane=state.lane if state.drive == self.drive.to_dict() else None,
-        )
-        return result, lane, ()
-
-
-FLOWS: dict[str, type[Flow]] = {"kkt": Flow, "momentum": MomentumFlow}
-
-
 def seen_at(model: Model, time: float, place: Placement, quasi: Array, legs: Array) -> MotionState:
     """What a torque law sees."""
     angle, rate = legs[: model.n_legs], legs[model.n_legs :]
     omega = model.body_velocity(place, quasi)
     return MotionState(time, place.rotation, omega, place.position, angle, rate)
-
-
-class _Track:
-    """Follows roll, pitch and yaw without jumps from step to step, and stops at the vertical.
-
-    Attributes:
-        angles: of the samples (n, 3) [rad].
-    """
-
-    def __init__(self, model: Model, euler: Array, n: int, recall: Recall | None) -> None:
-        self.model = model
-        self.last = np.array(euler, dtype=float)
-        self.angles = np.empty((n, 3))
-        self.y: Array | None = None
-        self._recall = recall
-        self._held: list[Array] = []
-
-    def sampled(self, first: int, states: Array) -> None:
-        poses = states[:, : self.model.n_pose]
-        self.angles[first : first + len(states)] = self.model.turned(poses, self.last)
-        if self._recall is not None:
-            self._held += [self._recall.held] * len(states)
-
-    def memory(self, n: int, states: Array, size: int) -> Array:
-        """Memory at the samples (n, k)."""
-        return np.column_stack((states[:n, size:], np.reshape(self._held[:n], (n, -1))))
-
-    def stepped(self, y: Array) -> str | None:
-        self.y = y
-        pose = y[: self.model.n_pose]
-        self.last = self.model.turned(pose[None], self.last)[0]
-        if self.model.singular_at_vertical:
-            quaternion = self.model.quaternions(pose[None])[0]
-            pitch = euler_from_rotation(rotation_from_quaternion(quaternion))[1]
-            if abs(pitch) > VERTICAL_PITCH or abs(self.last[1]) > VERTICAL_PITCH:
-                return (
-                    "the pitch reached +-90 degrees, where the Euler rates, and with them this "
-                    "model's damping or coordinates, are singular; swing the legs less, or use the "
-                    "full model with BodyRateDamping"
-                )
-        return None

@@ -21,7 +21,8 @@ from rrrobot.models.base import Model
 from rrrobot.rotations import euler_from_quaternion
 from rrrobot.simulation.evaluate import trajectory_of
 from rrrobot.simulation.events import Event
-from rrrobot.simulation.flow import FLOWS, Evolution, Flow
+from rrrobot.simulation.fast import FLOWS
+from rrrobot.simulation.flow import Evolution, Flow
 from rrrobot.simulation.state import State
 from rrrobot.simulation.trajectory import Trajectory
 

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import SinusoidalGait
 from rrrobot.errors import GroundClearanceWarning, ParameterError
+from rrrobot.models.base import Model
 from rrrobot.models.recombined import DecoupledModels
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.simulation.evaluate import versions
