@@ -58,6 +58,7 @@ from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.recombined import DecoupledModels
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
+from rrrobot.orbits.linearise import Linearisation, linearise
 from rrrobot.orbits.oscillations import (
     Mode,
     PeriodRow,
@@ -155,6 +156,7 @@ __all__ = [
     "LegMotion",
     "LegMoves",
     "LegTorques",
+    "Linearisation",
     "Memory",
     "MissingExtraError",
     "Mode",
@@ -218,6 +220,7 @@ __all__ = [
     "kkt_build",
     "kkt_solve",
     "lift_off",
+    "linearise",
     "matching_yaw_amplitude",
     "measured_period",
     "modes",

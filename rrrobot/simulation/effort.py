@@ -32,12 +32,13 @@ class Effort:
         for clock in clocks:
             reasons[f"a sample time of {clock.period:.3g} s"] = span / clock.period
         why = max(reasons, key=lambda key: reasons[key])
-        if reasons[why] > MANY_STEPS and flow.method == "kkt":
+        many = reasons[why]
+        if many > MANY_STEPS and flow.method == "kkt":
             self._look = 0
             period = flow.drive.period
             if period is not None and self._longest == period / 12:
                 why += ", a twelfth of the gait's period"
-            _warn(f"{span:.4g} s with {why} are {reasons[why]:.3g} steps: this takes long.")
+            _warn(f"{span:.4g} s with {why} are {many:.3g} steps: this takes long.")
 
     def progress(self, state: Callable[[], Array | None]) -> Progress:
         """What the integrator calls after each step."""
@@ -54,7 +55,8 @@ class Effort:
                     _warn(
                         f"steps of {mean:.3g} s on average make {expected:.3g} steps for "
                         f"{self._end - self._start:.4g} s: this takes long, as "
-                        f"{self._why(now, y)}. Shorten the run, loosen rtol and atol, or soften what is stiff."
+                        f"{self._why(now, y)}. "
+                        "Shorten the run, loosen rtol and atol, or soften what is stiff."
                     )
             if self.told is not None:
                 self.told(now)
