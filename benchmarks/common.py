@@ -95,7 +95,7 @@ class Motion(NamedTuple):
     yaw_rate: Array
 
 
-def full_model(damping: rr.Damping | float = KAPPA) -> rr.FullModel:
+def full_model(damping: rr.drive.Damping | float = KAPPA) -> rr.FullModel:
     """RRRobot of Table 2, rolling."""
     return rr.FullModel(rr.Robot.from_parameters(), damping=damping)
 
@@ -133,12 +133,12 @@ def engine_motion(found: Array) -> Motion:
     return Motion(found[:, RESULT.index("speed")], found[:, RESULT.index("yaw_rate")])
 
 
-def true_motion(gaits: Gaits, damping: rr.Damping | float = KAPPA) -> Motion:
+def true_motion(gaits: Gaits, damping: rr.drive.Damping | float = KAPPA) -> Motion:
     """The true answer: the engine with four times its usual steps."""
     return engine_motion(engine(lower(full_model(damping)), gaits, steps=TRUE_STEPS))
 
 
-def kkt_motion(gait: rr.SinusoidalGait, damping: rr.Damping | float = KAPPA) -> Motion:
+def kkt_motion(gait: rr.SinusoidalGait, damping: rr.drive.Damping | float = KAPPA) -> Motion:
     """Speed and yaw rate of one gait by the full model's KKT system, tolerances 1e-12."""
     t = rr.simulate(
         full_model(damping), gait, duration=CYCLES * PERIOD, sample_interval=PERIOD / 96,

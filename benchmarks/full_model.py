@@ -45,7 +45,9 @@ def evaluation() -> dict[str, float]:
     q, v = model.configuration(place, leg.angle), model.velocity(place, omega, leg.rate)
     pin_model, data = robot.model, robot.model.createData()
     rows = model.rolling.evaluate(data, q, v)
-    legs = rr.PrescribedJoints(model.legs.v, pin_model.nv).evaluate(v, leg.rate, leg.acceleration)
+    legs = rr.constraints.PrescribedJoints(model.legs.v, pin_model.nv).evaluate(
+        v, leg.rate, leg.acceleration
+    )
     mass, bias = pin.crba(pin_model, data, q), pin.nonLinearEffects(pin_model, data, q, v)
     tau = np.zeros(pin_model.nv)
     system = rr.kkt_build(mass, bias, tau, rows, legs)

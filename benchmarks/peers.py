@@ -93,7 +93,7 @@ def by_hand(points: Plane, index: int) -> Motion:
 class Ours:
     """The engine on the sweep, measured again and again while the others run."""
 
-    def __init__(self, points: Plane, damping: rr.Damping | float) -> None:
+    def __init__(self, points: Plane, damping: rr.drive.Damping | float) -> None:
         self.setting = lower(full_model(damping))
         self.gaits = points.gaits()
         self.times: dict[int, list[Timing]] = {1: [], 2: []}

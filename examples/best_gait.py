@@ -13,7 +13,7 @@ model = rr.FullModel(rr.Robot.from_parameters())
 bounds = {"amplitude": (0.1, 0.3), "frequency": 8.0, "offset": (0.3, np.pi - 0.3)}
 
 found = {}
-for goal in (rr.FastestTravel(), rr.TightestTurn(min_speed=0.004)):
+for goal in (rr.studies.FastestTravel(), rr.studies.TightestTurn(min_speed=0.004)):
     best = rr.optimise(model, goal, tied=True, budget=400, seed=1, **bounds)
     state, name = best.steady_state, type(goal).__name__
     radius = 1 / abs(state.curvature) if state.curvature else np.inf

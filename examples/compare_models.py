@@ -8,7 +8,7 @@ from rrrobot.figures.comparison import contact_paths
 out = Path("out")
 out.mkdir(exist_ok=True)
 
-both = rr.compare(rr.Robot.from_parameters(), rr.gait("circular"), duration=9.0)
+both = rr.studies.compare(rr.Robot.from_parameters(), rr.gait("circular"), duration=9.0)
 print(f"{'model':>10}  {'mm/s':>7}  {'rad/s':>8}  {'travel':>7}  {'turning':>7}")
 for row in both.rows():
     ratios = "  ".join(f"{row[key]:7.3f}" for key in ("speed_ratio", "yaw_rate_ratio"))

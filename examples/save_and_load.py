@@ -1,4 +1,4 @@
-"""How do I keep a result, and go on from it later? Save, load, continue, plot."""
+"""How do I keep a result, share it, and go on from it later? Save, load, CSV, continue, plot."""
 
 from pathlib import Path
 
@@ -18,7 +18,11 @@ print(f"wrote {saved}")
 first = rr.Trajectory.load(saved)
 print(first, first.metadata["gait"])
 
-# Whole cycles were simulated, so the gait begins again where it stopped.
+# For a colleague with a spreadsheet, one with MATLAB, one with xarray.
+print(f"wrote {first.to_csv(out / 'run.csv')} and {first.to_mat(out / 'run.mat')}")
+print(first.to_dataset().leg_torque.attrs)
+
+# The time, the phase of the gait and whole turns go on.
 second = rr.simulate(model, gait, 10 * period, period / 60, state=first.final_state)
 at_once = rr.simulate(model, gait, 20 * period, period / 60)
 gap = np.abs(second.position[-1] - at_once.position[-1]).max()

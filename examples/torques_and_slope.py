@@ -15,7 +15,7 @@ robot = rr.Robot.from_parameters()
 model = rr.FullModel(robot, ground=hill, damping=rr.BodyRateDamping(0.01, 0.01, 0.01, legs=0.002))
 
 
-def hold_up(state: rr.MotionState) -> np.ndarray:
+def hold_up(state: rr.drive.MotionState) -> np.ndarray:
     """A spring and a damper towards straight up."""
     return -0.3 * (state.leg_angle - np.pi / 2) - 0.03 * state.leg_rate
 

@@ -107,7 +107,7 @@ class RollingContact(Constraint):
     Example:
         >>> import numpy as np, pinocchio as pin, rrrobot as rr
         >>> robot = rr.Robot.from_parameters()
-        >>> rolling = rr.RollingContact.of(robot)
+        >>> rolling = rr.constraints.RollingContact.of(robot)
         >>> q, v = pin.neutral(robot.model), np.zeros(robot.model.nv)
         >>> rolling.evaluate(robot.model.createData(), q, v).jacobian.shape
         (3, 8)
@@ -191,7 +191,7 @@ class PrescribedJoints(Constraint):
 
     Example:
         >>> import numpy as np, rrrobot as rr
-        >>> rr.PrescribedJoints(np.array([6, 7]), nv=8).jacobian.shape
+        >>> rr.constraints.PrescribedJoints(np.array([6, 7]), nv=8).jacobian.shape
         (2, 8)
     """
 

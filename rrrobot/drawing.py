@@ -38,9 +38,9 @@ def line(i: int) -> dict[str, Any]:
 
 def new_figure(width: float = 6.4, height: float = 4.2) -> Figure:
     """An empty figure [inch] whose layout keeps labels and legends apart."""
-    from matplotlib.figure import Figure
+    from rrrobot.canvas import InlineFigure
 
-    return Figure(figsize=(width, height), layout="constrained")
+    return InlineFigure(figsize=(width, height), layout="constrained")
 
 
 def write_figure(figure: Figure, path: Path) -> Path:

@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rrrobot.simulation.trajectory import Trajectory
+    from rrrobot.steering.planner import Plan
 
 
 class RRRobotError(Exception):
@@ -100,6 +101,21 @@ class SweepInterrupted(RRRobotError, RuntimeError, KeyboardInterrupt):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (type(self), (str(self), self.dataset))
+
+
+class PlanError(RRRobotError, RuntimeError):
+    """No plan was found.
+
+    Attributes:
+        nearest: the plan that ends nearest to the goal, or None if there is none.
+    """
+
+    def __init__(self, message: str, *, nearest: Plan | None = None) -> None:
+        super().__init__(message)
+        self.nearest = nearest
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (partial(type(self), nearest=self.nearest), self.args)
 
 
 class GroundClearanceWarning(UserWarning):

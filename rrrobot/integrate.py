@@ -206,7 +206,8 @@ class _Run:
 
         found = None if self.watch is None else self.watch.step(start, self.now, inside)
         if found is not None:
-            return self._end(found, inside)
+            self._end(found, inside)
+            return None
         lands = self.now == jump
         self._fill(self.now - (_SAME_TIME * (self.now - start) if lands else 0.0), inside)
         if lands and self.jumps is not None:

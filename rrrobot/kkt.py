@@ -54,8 +54,9 @@ def kkt_build(mass: Array, bias: Array, tau: Array, *rows: ConstraintRows) -> KK
 
     Example:
         >>> import numpy as np, rrrobot as rr
-        >>> push = rr.LegMotion(np.zeros(1), np.zeros(1), np.ones(1))
-        >>> rows = rr.PrescribedJoints([0], nv=2).evaluate(None, None, np.zeros(2), legs=push)
+        >>> push = rr.drive.LegMotion(np.zeros(1), np.zeros(1), np.ones(1))
+        >>> joint = rr.constraints.PrescribedJoints([0], nv=2)
+        >>> rows = joint.evaluate(None, None, np.zeros(2), legs=push)
         >>> solution = rr.kkt_solve(rr.kkt_build(np.eye(2), np.zeros(2), np.zeros(2), rows))
         >>> solution.acceleration.tolist(), solution.multipliers.tolist()
         ([1.0, 0.0], [1.0])
@@ -116,7 +117,7 @@ def rolling_null_space(contact: Array, nv: int) -> Array:
 
     Example:
         >>> import numpy as np, rrrobot as rr
-        >>> rr.rolling_null_space(np.array([0.0, 0.0, -0.12]), nv=8).shape
+        >>> rr.kkt.rolling_null_space(np.array([0.0, 0.0, -0.12]), nv=8).shape
         (8, 5)
     """
     basis = np.zeros((nv, nv - 3))
@@ -134,7 +135,7 @@ def rolling_projector(contact: Array, nv: int) -> Array:
 
     Example:
         >>> import numpy as np, rrrobot as rr
-        >>> P = rr.rolling_projector(np.array([0.0, 0.0, -0.12]), nv=8)
+        >>> P = rr.kkt.rolling_projector(np.array([0.0, 0.0, -0.12]), nv=8)
         >>> bool(np.allclose(P @ P, P)), round(np.trace(P))
         (True, 5)
     """
@@ -163,7 +164,7 @@ def projected_acceleration(
         >>> import numpy as np, rrrobot as rr
         >>> along_x = np.array([[1.0], [0.0]])
         >>> push = np.array([3.0, 5.0])
-        >>> a = rr.projected_acceleration(np.eye(2), np.zeros(2), push, along_x, np.zeros(2))
+        >>> a = rr.kkt.projected_acceleration(np.eye(2), np.zeros(2), push, along_x, np.zeros(2))
         >>> a.tolist()
         [3.0, 0.0]
     """

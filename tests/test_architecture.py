@@ -1,7 +1,10 @@
 """The package reads in one direction: a room imports only rooms that stand below it."""
 
 import ast
+import importlib
 import inspect
+import pickle
+import re
 from pathlib import Path
 
 import pytest
@@ -9,11 +12,14 @@ import pytest
 import rrrobot as rr
 
 PACKAGE = Path(rr.__file__).parent
+ROOT = Path(__file__).parent.parent
 # Bottom first. A room is a folder, or a file of its own; a line of rooms is one layer.
 LAYERS = (
-    ("errors",),
+    ("errors", "lazy"),
     ("checks", "files", "serial"),
-    ("rotations", "integrate", "drawing"),
+    ("rotations", "integrate", "inline"),
+    ("canvas",),
+    ("drawing",),
     ("drive",),
     ("contact",),
     ("robot",),
@@ -102,13 +108,54 @@ def test_no_file_is_long(name):
     assert len(MODULES[name].read_text().splitlines()) <= 350
 
 
-def test_public_names_are_declared_and_documented():
-    assert sorted(set(rr.__all__)) == sorted(rr.__all__)
-    for name in rr.__all__:
-        item = getattr(rr, name)
-        # A dataclass without one is given its own signature, a subclass its parent's.
-        text = vars(item).get("__doc__") if inspect.isclass(item) else item.__doc__
-        assert text and not text.startswith(f"{name}("), f"{name} has no docstring"
+FACES = ("", *sorted(p.parent.name for p in PACKAGE.glob("*/__init__.pyi")))
+
+
+def face(room):
+    return importlib.import_module(f"rrrobot.{room}".rstrip("."))
+
+
+@pytest.mark.parametrize("room", FACES)
+def test_public_names_are_declared_and_documented(room):
+    package = face(room)
+    assert package.__doc__
+    assert set(package.__all__) <= set(dir(package))
+    for name in package.__all__:
+        item = getattr(package, name)
+        assert item.__doc__, f"{room}.{name} has no docstring"
+        assert item.__module__.startswith(package.__name__), f"{room} shows what is not its own"
+
+
+@pytest.mark.parametrize("room", FACES[1:])
+def test_no_module_of_a_room_has_the_name_of_a_public_function(room):
+    modules = {p.stem for p in (PACKAGE / room).rglob("*.py")}
+    assert not modules & set(face(room).__all__)
+
+
+def test_the_top_is_what_scripts_need():
+    errors = {name for name in rr.__all__ if issubclass(type(getattr(rr, name)), type)
+              and issubclass(getattr(rr, name), Exception)}  # fmt: skip
+    assert 35 <= len(set(rr.__all__) - errors) <= 60
+    assert not {name for name in rr.__all__ if inspect.ismodule(getattr(rr, name))}
+    used = set(re.findall(r"\brr\.([a-z_0-9A-Z]+)", (ROOT / "README.md").read_text()))
+    assert used <= set(dir(rr))
+
+
+def test_all_names_come_by_star_and_unknown_ones_say_where_they_are():
+    names = {}
+    exec("from rrrobot import *", names)
+    assert set(rr.__all__) <= set(names) and "robot" not in names
+    with pytest.raises(AttributeError, match=r"It is rrrobot\.orbits\.modes\."):
+        rr.modes  # noqa: B018
+    with pytest.raises(AttributeError, match="no attribute 'walk'"):
+        rr.walk  # noqa: B018
+    with pytest.raises(ImportError):
+        exec("from rrrobot import walk")
+
+
+def test_what_the_face_gives_pickles():
+    for name in ("FullModel", "simulate", "RRRobotParameters", "ParameterError"):
+        assert pickle.loads(pickle.dumps(getattr(rr, name))) is getattr(rr, name)
 
 
 def test_importing_stays_light():
@@ -117,5 +164,15 @@ def test_importing_stays_light():
 
     code = "import sys, rrrobot; print(*sys.modules)"
     loaded = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
-    heavy = {"matplotlib", "meshcat", "yourdfpy", "xarray", "numba", "scipy", "tqdm", "click"}
+    heavy = {
+        "matplotlib",
+        "meshcat",
+        "yourdfpy",
+        "xarray",
+        "numba",
+        "scipy",
+        "tqdm",
+        "click",
+        "pinocchio",
+    }
     assert not heavy & set(loaded.stdout.split())

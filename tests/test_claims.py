@@ -145,7 +145,7 @@ def test_start(shop):
     angle = math.pi / 2 + 0.3 * np.sin(np.linspace(0, 2 * np.pi, 400, endpoint=False))
     other = np.roll(angle, -100)
     g11 = [
-        rr.yaw_mass_matrix(rr.RRRobotParameters(), pair)[0, 0]
+        rr.paper.yaw_mass_matrix(rr.RRRobotParameters(), pair)[0, 0]
         for pair in np.column_stack((angle, other))
     ]
     kept = -0.057 * 0.1 * R * 2.4 * np.mean(1 / np.array(g11))
@@ -260,7 +260,7 @@ def test_leg_cycles(shop):
     p = rr.RRRobotParameters()
 
     def slope(phi):
-        g = rr.yaw_mass_matrix(p, (phi, 1.5))[0]
+        g = rr.paper.yaw_mass_matrix(p, (phi, 1.5))[0]
         return -g[1] / g[0]
 
     assert found["one leg"] == pytest.approx(quad(slope, 1.2, 2.0)[0], rel=1e-8)
@@ -331,7 +331,7 @@ def test_balance_gives_the_models_own_drift(shop, offset):
     free = yaw_balance(shop.robot, legs, attitude(pivoting), rolls=False).free_rate()
     assert free.mean() == pytest.approx(pivoting.steady_state().yaw_rate, rel=1e-5)
     level = yaw_balance(shop.robot, legs, attitude(full).level(), rolls=False).free_rate()
-    assert level.mean() == pytest.approx(rr.yaw_drift(shop.robot, legs), rel=1e-9)
+    assert level.mean() == pytest.approx(rr.studies.yaw_drift(shop.robot, legs), rel=1e-9)
 
 
 def test_tools(circular):

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
+from scipy.io import loadmat
 
 import rrrobot as rr
 from rrrobot.cli import simulate as cli_simulate
@@ -184,7 +185,7 @@ def test_parameters_of_rrrobot() -> None:
         f"--{key.replace('_', '-')}={','.join(map(str, np.atleast_1d(value)))}"
         for key, value in values.items()
     ]
-    data = simulated(*SHORT, *args, "--ground-normal", "0", "0.1", "1")
+    data = simulated(*SHORT, *args, "--ground", "plane:0,0.1,1")
     robot = rr.Robot.from_parameters(rr.RRRobotParameters(**values))
     model = rr.FullModel(robot, ground=rr.Plane((0, 0.1, 1)))
     t = rr.simulate(model, rr.gait("lateral"), 0.5)
@@ -207,6 +208,79 @@ def test_example_robot() -> None:
     args = ("--robot", "solo12", "--shell-radius", "0.25", "--legs", "FL_HFE,FR_HFE")
     data = simulated(*SHORT, *args)
     assert data["robot"]["legs"] == ["FL_HFE", "FR_HFE"]
+
+
+def test_tables_are_the_trajectory_s(tmp_path: Path) -> None:
+    names = {"--csv": "run.csv", "--mat": "run.mat", "--save": "run.npz"}
+    args = [text for option, name in names.items() for text in (option, str(tmp_path / name))]
+    good("simulate", *SHORT, *args)
+    saved = rr.Trajectory.load(tmp_path / "run.npz")
+    again = [saved.to_csv(tmp_path / "again.csv"), saved.to_mat(tmp_path / "again.mat")]
+    assert again[0].read_bytes() == (tmp_path / "run.csv").read_bytes()
+    ours, theirs = (loadmat(tmp_path / name)["euler"] for name in ("again.mat", "run.mat"))
+    np.testing.assert_array_equal(ours, theirs)
+
+
+@pytest.mark.parametrize(
+    ("text", "normal"),
+    [
+        ("level", (0.0, 0.0, 1.0)),
+        ("slope:30", (-0.5, 0.0, math.sqrt(0.75))),
+        ("slope:-30", (0.5, 0.0, math.sqrt(0.75))),
+        ("plane:0,3,4", (0.0, 0.6, 0.8)),
+    ],
+)
+def test_grounds(text: str, normal: tuple[float, ...]) -> None:
+    data = simulated(*SHORT, "--damping-kind", "body", "--ground", text)
+    assert data["model"]["ground"]["normal"] == pytest.approx(normal, abs=1e-15)
+
+
+@pytest.mark.parametrize("text", ["moon", "slope", "slope:90", "slope:x", "plane:1,2", "level:1"])
+def test_no_grounds(text: str) -> None:
+    result = run("simulate", "--ground", text)
+    assert result.exit_code == 2
+    assert "Invalid value for '--ground'" in result.output
+
+
+def test_a_gait_s_file_is_the_gait(tmp_path: Path) -> None:
+    path = str(tmp_path / "mine.json")
+    args = ("--gait", "circular", "--amplitude", "0.2", "--ramp", "0.3")
+    good("gait", *args, "--out", path)
+    assert simulated(*SHORT, "--gait", path)["gait"] == simulated(*SHORT, *args)["gait"]
+    assert strict_json(good("compare", "--json", "--duration", "4", "--gait", path).stdout)[
+        "models"
+    ]
+    film = tmp_path / "mine.html"
+    good("view", "--gait", path, "--duration", "0.5", "--html", str(film))
+    assert film.stat().st_size > 100_000
+
+
+def test_set_points(tmp_path: Path) -> None:
+    table, message = str(tmp_path / "joints.csv"), str(tmp_path / "joints.yaml")
+    data = strict_json(good("gait", "--json", "--rate", "100", "--out", table).stdout)
+    read = np.loadtxt(table, delimiter=",", skiprows=1)
+    assert len(read) == data["set_points"]
+    np.testing.assert_array_equal(read[:, 1:3], rr.gait("lateral")(read[:, 0]).angle)
+    good("gait", "--gait", "still", "--duration", "1", "--out", message)
+    assert Path(message).read_text().count("time_from_start") == 51
+
+
+def test_a_recorded_gait_is_splined(tmp_path: Path) -> None:
+    path = tmp_path / "recorded.csv"
+    gait = rr.gait("circular")
+    time = np.linspace(0.0, gait.period or 0.0, 81)
+    np.savetxt(path, np.column_stack((time, gait(time).angle)), delimiter=",", fmt="%.17g")
+    end = simulated(*SHORT, "--gait", str(path))["end"]["euler"]
+    assert end == pytest.approx(simulated(*SHORT, "--gait", "circular")["end"]["euler"], abs=1e-5)
+    np.savetxt(path, np.column_stack((time, gait(time).angle))[:-1], delimiter=",")
+    assert_refused(run("simulate", "--gait", str(path)), "closes the cycle")
+
+
+def test_a_file_s_gait_takes_no_numbers_beside_it(tmp_path: Path) -> None:
+    result = run("simulate", "--gait", str(tmp_path / "a.json"), "--amplitude", "1")
+    assert result.exit_code == 2 and "--amplitude" in result.output
+    assert run("simulate", "--gait", "trot").exit_code == 2
+    assert_refused(run("simulate", "--gait", str(tmp_path / "a.json")), "cannot read the gait")
 
 
 def test_no_steady_state_says_why() -> None:
@@ -308,7 +382,7 @@ def assert_refused(result: Result, says: str, code: int = 1) -> None:
         (("--rtol", "0"), "rtol"),
         (("--ramp", "0"), "duration is 0.0 s"),
         (("--damping=-1",), "at least zero"),
-        (("--ground-normal", "0", "0", "-1"), "it must point up"),
+        (("--ground", "plane:0,0,-1"), "it must point up"),
         (("--model", "yaw", "--euler", "0.1,0,0"), "locks roll"),
     ],
 )
@@ -476,7 +550,7 @@ def test_robots() -> None:
     pytest.importorskip("example_robot_data")
     data = json.loads(good("robots", "--json").stdout)
     assert data[0]["name"] == "rrrobot"
-    assert {robot["name"] for robot in data[1:]} == set(rr.example_robots())
+    assert {robot["name"] for robot in data[1:]} == set(rr.robot.example_robots())
     assert "solo12" in good("robots").stdout
 
 

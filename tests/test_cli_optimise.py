@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 import rrrobot as rr
 from rrrobot.cli.main import cli
 from rrrobot.cli.optimise import optimise_command
-from rrrobot.studies.optimisation.result import gait_from_dict
+from rrrobot.drive.tables import gait_from_dict
 
 pytestmark = pytest.mark.usefixtures("compiled_engine")
 

@@ -20,11 +20,11 @@ def robot():
 
 @pytest.fixture(scope="module")
 def circular(robot):
-    return rr.compare(robot, rr.gait("circular"))
+    return rr.studies.compare(robot, rr.gait("circular"))
 
 
 def test_table_4_of_the_papers_gaits(robot, circular):
-    lateral = rr.compare(robot, rr.gait("lateral"))
+    lateral = rr.studies.compare(robot, rr.gait("lateral"))
     assert lateral.ratio("pivoting", "speed") == pytest.approx(1.01, abs=0.005)
     assert lateral.ratio("decoupled", "speed") == pytest.approx(1.0285, abs=0.001)
     assert lateral.ratio("pivoting", "curvature") is None
@@ -38,7 +38,7 @@ def test_table_4_of_the_papers_gaits(robot, circular):
 def test_yaw_drift_is_the_simulated_drift(robot):
     gait = rr.gait("circular")
     t = rr.simulate(rr.YawModel(robot), gait, 10.0, rtol=1e-12, atol=1e-13)
-    assert rr.yaw_drift(robot, gait) == pytest.approx(t.steady_state().yaw_rate, rel=1e-9)
+    assert rr.studies.yaw_drift(robot, gait) == pytest.approx(t.steady_state().yaw_rate, rel=1e-9)
 
 
 def test_matching_amplitude_is_fig_20(robot):
@@ -48,19 +48,19 @@ def test_matching_amplitude_is_fig_20(robot):
         gait = rr.SinusoidalGait(
             offset=offset, amplitude=0.3, angular_frequency=8.0, phase=(0.0, np.pi / 2)
         )
-        factor = rr.matching_yaw_amplitude(robot, gait, target)
-        assert rr.yaw_drift(robot, scaled(gait, factor)) == pytest.approx(target, rel=1e-9)
+        factor = rr.studies.matching_yaw_amplitude(robot, gait, target)
+        assert rr.studies.yaw_drift(robot, scaled(gait, factor)) == pytest.approx(target, rel=1e-9)
         factors.append(factor)
     assert factors[0] > factors[1] > factors[2] > 1.0
     with pytest.raises(rr.ModelError, match="no leg amplitude"):
-        rr.matching_yaw_amplitude(robot, rr.gait("circular"), -0.02)
+        rr.studies.matching_yaw_amplitude(robot, rr.gait("circular"), -0.02)
     with pytest.raises(rr.GaitError, match="period"):
-        rr.yaw_drift(robot, rr.StillLegs((1.0, 1.0)))
+        rr.studies.yaw_drift(robot, rr.StillLegs((1.0, 1.0)))
 
 
 def test_plane_equals_single_comparisons(robot, circular):
     """The engine's plane and the KKT comparison are two ways to the same ratios."""
-    table = rr.table_4(
+    table = rr.paper.table_4(
         robot, offsets=[np.pi / 4, np.pi / 2], phase_differences=[np.pi / 2, 3 * np.pi / 2]
     )
     for model in ("pivoting", "decoupled", "modulated"):
@@ -83,7 +83,7 @@ def test_plane_equals_single_comparisons(robot, circular):
 
 def test_plane_of_nothing_is_refused(robot):
     with pytest.raises(rr.ParameterError, match="at least one"):
-        rr.table_4(robot, offsets=[], phase_differences=[1.0])
+        rr.paper.table_4(robot, offsets=[], phase_differences=[1.0])
 
 
 def test_models_that_need_a_sphere_say_so():
@@ -95,7 +95,7 @@ def test_models_that_need_a_sphere_say_so():
         with pytest.raises(rr.ModelError, match="shell is centred at"):
             model(aside)
     with pytest.raises(rr.ModelError, match="spherical"):
-        rr.compare(egg, rr.gait("lateral"), duration=2.0)
+        rr.studies.compare(egg, rr.gait("lateral"), duration=2.0)
 
 
 def test_figures_show_the_data(circular):

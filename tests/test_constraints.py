@@ -36,7 +36,7 @@ def test_jacobian_gives_the_velocity_of_the_material_contact_point(case):
     robot, ground, q, v, _ = case
     model, data = robot.model, robot.model.createData()
     frame = model.getFrameId(SHELL_FRAME)
-    rolling = rr.RollingContact.of(robot, ground)
+    rolling = rr.constraints.RollingContact.of(robot, ground)
     contact = rr.contact_point(model, q, frame, robot.shell, ground.normal_vector)
     pin.forwardKinematics(model, data, q)
     placement = pin.updateFramePlacement(model, data, frame).copy()
@@ -54,7 +54,7 @@ def test_jacobian_gives_the_velocity_of_the_material_contact_point(case):
 
 def test_drift_is_the_rate_of_the_residual(case):
     robot, ground, q, v, a = case
-    rolling, data = rr.RollingContact.of(robot, ground), robot.model.createData()
+    rolling, data = rr.constraints.RollingContact.of(robot, ground), robot.model.createData()
 
     def residual(t):
         return rolling.evaluate(data, *integrate(robot.model, q, v, a, t)).residual.copy()
@@ -68,7 +68,7 @@ def test_drift_is_the_rate_of_the_residual(case):
 def test_drift_of_a_body_fixed_contact_point_would_be_wrong(case):
     """The trap: adding Omega x (Omega x rho), as for a point fixed to the body."""
     robot, ground, q, v, _ = case
-    rolling, data = rr.RollingContact.of(robot, ground), robot.model.createData()
+    rolling, data = rr.constraints.RollingContact.of(robot, ground), robot.model.createData()
     rows = rolling.evaluate(data, q, v)
     omega = pin.getFrameVelocity(
         robot.model, data, rolling.frame_id, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
@@ -88,7 +88,7 @@ def test_drift_of_a_body_fixed_contact_point_would_be_wrong(case):
 
 def test_holonomic_row_is_the_rate_of_the_height(case):
     robot, ground, q, v, _ = case
-    rolling, data = rr.RollingContact.of(robot, ground), robot.model.createData()
+    rolling, data = rr.constraints.RollingContact.of(robot, ground), robot.model.createData()
 
     def height(t):
         rolling.evaluate(data, pin.integrate(robot.model, q, v * t), v)
@@ -107,7 +107,7 @@ def test_plain_functions_are_the_class():
     frame = model.getFrameId(SHELL_FRAME)
     q = pin.integrate(model, pin.neutral(model), np.linspace(-1, 1, model.nv))
     v = np.linspace(1, 2, model.nv)
-    rolling = rr.RollingContact.of(robot, rr.Plane((0.1, 0.2, 1.0)))
+    rolling = rr.constraints.RollingContact.of(robot, rr.Plane((0.1, 0.2, 1.0)))
     rows = rolling.evaluate(model.createData(), q, v)
     np.testing.assert_array_equal(
         rr.contact_jacobian(model, q, frame, robot.shell, (0.1, 0.2, 1.0)), rows.jacobian
@@ -153,8 +153,8 @@ def test_projector_and_null_space(seed):
     frame = robot.model.getFrameId(SHELL_FRAME)
     world = rr.contact_point(robot.model, q, frame, robot.shell)
     contact = place.rotation.T @ (world - q[:3])
-    projector = rr.rolling_projector(contact, nv)
-    basis = rr.rolling_null_space(contact, nv)
+    projector = rr.kkt.rolling_projector(contact, nv)
+    basis = rr.kkt.rolling_null_space(contact, nv)
     np.testing.assert_allclose(projector, projector.T, atol=1e-15)
     np.testing.assert_allclose(projector @ projector, projector, atol=1e-14)
     np.testing.assert_allclose(jacobian @ projector, 0, atol=1e-14)
@@ -199,7 +199,7 @@ def test_kkt_projection_and_pinocchio_agree(seed, shell):
         return full
 
     rate_u = (8 * (basis(h) - basis(-h)) - (basis(2 * h) - basis(-2 * h))) @ u / (12 * h)
-    projected = rr.projected_acceleration(mass, bias, tau, basis(0), rate_u)
+    projected = rr.kkt.projected_acceleration(mass, bias, tau, basis(0), rate_u)
     np.testing.assert_allclose(projected, solution.acceleration, atol=1e-9 * scale)
 
 
@@ -208,7 +208,7 @@ def test_prescribed_joints_move_as_told_and_their_torques_do_it():
     model = rr.FullModel(robot, damping=0.02)
     pose, omega, angle, rate = random_state(robot, 1)
     wanted = np.random.default_rng(2).normal(size=robot.n_legs)
-    leg = rr.LegMotion(angle, rate, wanted)
+    leg = rr.drive.LegMotion(angle, rate, wanted)
     prescribed = model.dynamics(pose, omega, leg)
     np.testing.assert_allclose(prescribed.acceleration[model.legs.v], wanted, atol=1e-12)
     driven = model.dynamics(
@@ -219,8 +219,8 @@ def test_prescribed_joints_move_as_told_and_their_torques_do_it():
 
 
 def test_dependent_rows_are_refused():
-    rows = rr.PrescribedJoints([0], nv=2).evaluate(
-        None, None, np.zeros(2), legs=rr.LegMotion(np.zeros(1), np.zeros(1), np.ones(1))
+    rows = rr.constraints.PrescribedJoints([0], nv=2).evaluate(
+        None, None, np.zeros(2), legs=rr.drive.LegMotion(np.zeros(1), np.zeros(1), np.ones(1))
     )
     system = rr.kkt_build(np.eye(2), np.zeros(2), np.zeros(2), rows, rows)
     with pytest.raises(rr.ConstraintError, match="singular"):

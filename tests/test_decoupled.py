@@ -11,7 +11,6 @@ from scipy.interpolate import make_interp_spline
 
 import rrrobot as rr
 from rrrobot.rotations import body_rates_matrix, body_rates_matrix_rate
-from rrrobot.simulation.recombined import _recombine
 from tests.twins import UNEQUAL, Array, library_robot
 
 PERIOD = 2 * np.pi / 8.0
@@ -49,7 +48,7 @@ def test_superposition_is_the_three_simulations(robot: rr.Robot, recombined: rr.
 
 
 def test_the_path_is_that_of_its_angles(recombined: rr.Trajectory) -> None:
-    path = rr.contact_path(UNEQUAL.shell_radius, recombined.time, recombined.euler)
+    path = rr.contact.contact_path(UNEQUAL.shell_radius, recombined.time, recombined.euler)
     assert np.ptp(path, axis=0).min() > 1e-3
     assert np.abs(recombined.position - path).max() < 1e-8
     assert recombined.slip.max() < 1e-13
@@ -60,12 +59,12 @@ def test_contact_kinematics_of_the_full_model(robot: rr.Robot, rolled: rr.Trajec
     """The full model's own rotation, through eqs (2)-(3), is the full model's path: from samples,
     and from a function."""
     r = UNEQUAL.shell_radius
-    from_samples = rr.contact_path(r, rolled.time, rolled.euler)
+    from_samples = rr.contact.contact_path(r, rolled.time, rolled.euler)
     assert np.abs(rolled.position - from_samples).max() < 1e-8
 
     angles = make_interp_spline(rolled.time, rolled.euler, k=7)
     rates = angles.derivative()
-    from_function = rr.contact_path(r, rolled.time, lambda t: (angles(t), rates(t)))
+    from_function = rr.contact.contact_path(r, rolled.time, lambda t: (angles(t), rates(t)))
     assert np.abs(rolled.position - from_function).max() < 1e-8
     assert np.ptp(rolled.position, axis=0).min() > 1e-2
 
@@ -95,29 +94,20 @@ def test_inverse_dynamics_of_a_full_motion_find_its_forces(
 ) -> None:
     """Given the full model's motion, `decoupled`'s forces are the full model's, in balance."""
     model = rr.FullModel(robot)
-    states, angular = [], []
+    decoupled = rr.models.DecoupledModels(robot)
     for i, y in enumerate(rolled.state):
         pose, omega, _ = model.split(y)
         legs = GAIT(rolled.time[i])
         alpha = model.quasi_acceleration(model.dynamics(pose, omega, legs).acceleration)
         euler, rates = rolled.euler[i], rolled.euler_rates[i]
         B, B_rate = body_rates_matrix(*euler[:2]), body_rates_matrix_rate(euler, rates)
-        angular.append(np.linalg.solve(B, alpha - B_rate @ rates))
-        states.append(np.concatenate([euler, rates, rolled.position[i]]))
-    again = _recombine(
-        robot,
-        rolled.ground,
-        rolled.time,
-        np.array(states),
-        np.array(angular),
-        GAIT(rolled.time),
-        {"model": {}},
-    )
-    assert np.abs(again.contact_force - rolled.contact_force).max() < 1e-11
-    assert np.abs(again.leg_torque - rolled.leg_torque).max() < 1e-12
-    assert np.abs(again.energy - rolled.energy).max() < 1e-13
-    assert again.metadata["unbalanced_moment"] < 1e-12
-    assert np.abs(again.velocity - rolled.velocity).max() < 1e-12
+        place = decoupled.place(decoupled.make_pose(euler, rolled.position[i]))
+        again = decoupled.inverse(place, rates, np.linalg.solve(B, alpha - B_rate @ rates), legs)
+        assert np.abs(again.contact_force - rolled.contact_force[i]).max() < 1e-11
+        assert np.abs(again.leg_torque - rolled.leg_torque[i]).max() < 1e-12
+        assert abs(sum(decoupled.energy(again.q, again.v)) - rolled.energy[i]) < 1e-13
+        assert np.abs(again.forces["unbalanced"]).max() < 1e-12
+        assert np.abs(again.v - rolled.velocity[i]).max() < 1e-12
 
 
 def test_a_decoupled_motion_is_out_of_balance(recombined: rr.Trajectory) -> None:

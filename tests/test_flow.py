@@ -10,7 +10,7 @@ GAIT = rr.gait("circular")
 MODELS = {
     kind.name: kind(ROBOT)
     for kind in (rr.FullModel, rr.PivotingModel, rr.RollModel, rr.PitchModel, rr.YawModel,
-                 rr.DecoupledModels)
+                 rr.models.DecoupledModels)
 }  # fmt: skip
 FIELDS = ("time", "euler", "position", "contact_force", "leg_torque", "energy", "state")
 SPRING = rr.LegTorques(
@@ -115,14 +115,14 @@ def test_lift_off_is_located():
     fast = rr.SinusoidalGait(offset=np.pi / 2, amplitude=1.0, angular_frequency=25.0)
     model = MODELS["roll"]
     full = rr.FullModel(ROBOT, damping=None)
-    t = rr.simulate(full, fast, 2.0, events=[rr.lift_off()])
+    t = rr.simulate(full, fast, 2.0, events=[rr.simulation.lift_off()])
     assert t.events[0].name == "lift-off"
     assert abs(t.normal_force[-1]) < 1e-8
     assert np.all(t.normal_force[:-1] > 0)
     with pytest.raises(rr.ModelError, match="pivoted"):
-        rr.simulate(MODELS["pivoting"], GAIT, 0.1, events=[rr.lift_off()])
+        rr.simulate(MODELS["pivoting"], GAIT, 0.1, events=[rr.simulation.lift_off()])
     with pytest.raises(rr.ModelError, match="cannot locate events"):
-        rr.simulate(full, GAIT, 0.1, method="momentum", events=[rr.lift_off()])
+        rr.simulate(full, GAIT, 0.1, method="momentum", events=[rr.simulation.lift_off()])
     assert model.name == "roll"
 
 

@@ -24,7 +24,7 @@ def test_reference_state(robot):
     model = rr.FullModel(robot, damping=0.01)
     pose = model.make_pose((0.1, 0.2, 0.3), (0.0, 0.0))
     omega = model.quasi_from_euler_rates(pose, np.array((0.5, -0.4, 0.7)))
-    leg = rr.LegMotion(np.array((0.9, 1.3)), np.array((1.0, -2.0)), np.array((3.0, 4.0)))
+    leg = rr.drive.LegMotion(np.array((0.9, 1.3)), np.array((1.0, -2.0)), np.array((3.0, 4.0)))
     found = model.dynamics(pose, omega, leg)
     alpha = rotation_from_quaternion(pose[:4]) @ found.acceleration[3:6]
     # R w_dot is the world's Omega_dot, as Omega x Omega = 0.
@@ -57,7 +57,7 @@ def test_against_point_mass_kane(masses, driven):
                 masses, theta, rates, phi, phi_dot, given, damping=kappa,
                 leg_damping=(on_legs, on_legs),
             )  # fmt: skip
-            found = model.dynamics(pose, omega, rr.LegMotion(phi, phi_dot, given))
+            found = model.dynamics(pose, omega, rr.drive.LegMotion(phi, phi_dot, given))
         alpha = rotation_from_quaternion(pose[:4]) @ found.acceleration[3:6]
         for ours, theirs in (
             (alpha, kane.omega_dot),
@@ -74,7 +74,7 @@ def test_support_force_is_newtons(robot):
     for case, normal in ((robot, (0, 0, 1)), (random_robot(4), (0.1, 0.2, 1.0))):
         model = rr.FullModel(case, ground=rr.Plane(normal), damping=0.01)
         pose, omega, angle, rate = random_state(case, 3)
-        found = model.dynamics(pose, omega, rr.LegMotion(angle, rate, np.ones(case.n_legs)))
+        found = model.dynamics(pose, omega, rr.drive.LegMotion(angle, rate, np.ones(case.n_legs)))
         by_newton = model.support_force(found.q, found.v, found.acceleration)
         np.testing.assert_allclose(found.contact_force, by_newton, rtol=1e-9, atol=1e-9)
 

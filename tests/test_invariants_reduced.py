@@ -111,9 +111,9 @@ def test_the_replayed_motion_turns_as_the_angles_say(kind: Any) -> None:
 def test_a_feedback_law_sees_the_motion(kind: Any) -> None:
     free = np.array([i in kind.axes for i in range(3)])
     euler, rates = free * (0.3, -0.4, 0.5), free * (1.0, 2.0, -1.5)
-    seen: list[rr.MotionState] = []
+    seen: list[rr.drive.MotionState] = []
 
-    def law(state: rr.MotionState) -> Array:
+    def law(state: rr.drive.MotionState) -> Array:
         seen.append(state)
         return np.zeros(2)
 

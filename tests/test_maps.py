@@ -256,7 +256,7 @@ def test_modulation(full: xr.Dataset) -> None:
     few = full.isel(offset=[0, 3, 6])
     found = maps.amplitude_modulation(ROBOT, few)
     assert found.dims == ("offset",)
-    factor = rr.matching_yaw_amplitude(
+    factor = rr.studies.matching_yaw_amplitude(
         ROBOT, rr.gait("circular"), float(few.yaw_rate.sel(phase_difference=np.pi / 2)[1])
     )
     assert float(found[1]) == pytest.approx(0.3 * factor, rel=1e-9)

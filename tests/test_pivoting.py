@@ -120,7 +120,7 @@ def test_body_rate_damping_is_its_generalised_force(seed: int) -> None:
 def test_pivot_reaction_at_rest_is_the_weight() -> None:
     model = rr.PivotingModel(library_robot())
     pose = model.make_pose(np.zeros(3), np.zeros(2))
-    legs = rr.LegMotion(np.full(2, np.pi / 2), np.zeros(2), np.zeros(2))
+    legs = rr.drive.LegMotion(np.full(2, np.pi / 2), np.zeros(2), np.zeros(2))
     rest = model.dynamics(pose, np.zeros(3), legs)
     assert rest.contact_force == pytest.approx([0.0, 0.0, 0.52 * 9.81], abs=1e-12)
     assert rest.acceleration == pytest.approx(np.zeros(5), abs=1e-12)

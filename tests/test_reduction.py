@@ -63,7 +63,7 @@ def test_connection_and_height_function_are_the_closed_forms(parameters):
     A = Connection(rr.Robot.from_parameters(p))
     form = closed_forms()
     for phi in np.random.default_rng(1).uniform(-np.pi, np.pi, (50, 2)):
-        g = rr.yaw_mass_matrix(p, phi)
+        g = rr.paper.yaw_mass_matrix(p, phi)
         assert np.abs(A(phi) - g[0, 1:] / g[0, 0]).max() < 1e-13
         assert abs(A.inertia(phi) - g[0, 0]) < 1e-15
         masses = (*p.leg_masses, *p.leg_lengths, sum(p.servo_masses), p.hip_offset)

@@ -313,7 +313,7 @@ def test_no_mass():
 
 
 def test_build_model_of_a_reduced_urdf_has_no_free_flyer():
-    text = rr.reduced_urdf(rr.rrrobot_urdf(), "yaw", height=0.12)
+    text = rr.robot.reduced_urdf(rr.rrrobot_urdf(), "yaw", height=0.12)
     model = build_model(text, None, ("leg_1",), {"leg_2": 0.5})
     assert list(model.names) == ["universe", "base_yaw", "leg_1"]
 
@@ -404,7 +404,7 @@ def test_solo12_rolls_on_a_belly():
 
 def test_example_robots_are_read():
     pytest.importorskip("example_robot_data")
-    known = rr.example_robots()
+    known = rr.robot.example_robots()
     assert "solo12" in known
     assert list(known) == sorted(known)
     for name in ("solo8", "anymal", "double_pendulum_continuous", "icub"):
@@ -424,7 +424,7 @@ def test_unknown_example_robot_lists_the_known():
 def test_missing_extra_says_what_to_install(monkeypatch):
     monkeypatch.setitem(__import__("sys").modules, "example_robot_data.robots_loader", None)
     with pytest.raises(rr.MissingExtraError, match=r"pip install 'rrrobot\[robots\]'") as caught:
-        rr.example_robots()
+        rr.robot.example_robots()
     assert isinstance(caught.value, ImportError)
     with pytest.raises(rr.MissingExtraError):
         rr.Robot.from_example("solo12", shell=SHELL)

@@ -39,8 +39,8 @@ def test_sphere_contact_rate_matches_pinocchio(seed: int) -> None:
     euler, rates = random_rotation(seed)
     rotation, omega = pinocchio_omega(euler, rates)
     expected = R * np.cross(omega, UP)
-    assert rr.sphere_contact_rate(R, euler, rates) == pytest.approx(expected[:2], abs=1e-14)
-    moved = rr.contact_velocity(rr.Sphere(R), rotation, omega, UP)
+    assert rr.contact.sphere_contact_rate(R, euler, rates) == pytest.approx(expected[:2], abs=1e-14)
+    moved = rr.contact.contact_velocity(rr.Sphere(R), rotation, omega, UP)
     assert moved == pytest.approx(expected, abs=1e-14)
 
 
@@ -56,15 +56,15 @@ def test_sphere_contact_rate_is_the_centre_of_a_rolling_robot(seed: int) -> None
     data, frame = robot.model.createData(), robot.model.getFrameId("rrrobot_shell")
     pin.forwardKinematics(robot.model, data, q, v)
     centre = pin.getFrameVelocity(robot.model, data, frame, pin.LOCAL_WORLD_ALIGNED).linear
-    rate = rr.sphere_contact_rate(R, euler, rates)
+    rate = rr.contact.sphere_contact_rate(R, euler, rates)
     assert centre == pytest.approx([*rate, 0.0], abs=1e-13)
 
 
 def test_rates_broadcast() -> None:
     euler, rates = np.random.default_rng(0).uniform(-1, 1, (2, 4, 5, 3))
-    many = rr.sphere_contact_rate(R, euler, rates)
+    many = rr.contact.sphere_contact_rate(R, euler, rates)
     assert many.shape == (4, 5, 2)
-    one = rr.sphere_contact_rate(R, euler[2, 3], rates[2, 3])
+    one = rr.contact.sphere_contact_rate(R, euler[2, 3], rates[2, 3])
     assert many[2, 3] == pytest.approx(one, abs=1e-16)
 
 
@@ -104,7 +104,7 @@ def test_printed_eq_5_depends_on_where_the_body_rolls_from() -> None:
     the printed form held.
     """
     euler = np.array([0.0, np.pi / 3, 0.0])
-    rate = rr.sphere_contact_rate(R, euler, np.array([1.0, 0.0, 0.0]))
+    rate = rr.contact.sphere_contact_rate(R, euler, np.array([1.0, 0.0, 0.0]))
     assert rate == pytest.approx([0.0, -R * 0.5], abs=1e-15)
 
 
@@ -123,7 +123,7 @@ def test_ellipsoid_contact_velocity_by_finite_differences(seed: int) -> None:
     h = 1e-3
     arm_rate = (8 * (arm(h) - arm(-h)) - (arm(2 * h) - arm(-2 * h))) / (12 * h)
     expected = np.cross(arm(0.0), omega) + arm_rate
-    found = rr.contact_velocity(shell, start, omega, normal)
+    found = rr.contact.contact_velocity(shell, start, omega, normal)
     assert np.abs(expected).max() > 0.01
     assert found == pytest.approx(expected, abs=1e-10)
     assert found @ normal == pytest.approx(0.0, abs=1e-15)
@@ -145,8 +145,8 @@ def test_samples_are_of_sixth_order_or_better() -> None:
     errors = []
     for n in (40, 80, 160, 320):
         time = np.linspace(0.0, 4.0, n + 1)
-        exact = rr.contact_path(R, time, tumble, stepping=TIGHT)
-        sampled = rr.contact_path(R, time, tumble(time)[0])
+        exact = rr.contact.contact_path(R, time, tumble, stepping=TIGHT)
+        sampled = rr.contact.contact_path(R, time, tumble(time)[0])
         errors.append(np.abs(sampled - exact).max())
     assert errors[0] < 1e-6
     assert np.min(np.divide(errors[:-1], errors[1:])) > 64
@@ -156,24 +156,26 @@ def test_samples_of_a_steady_turn_are_exact() -> None:
     """The spline keeps a polynomial, and the quadrature leaves next to nothing at 30 degrees per
     interval: pitch = t, yaw = 2 t gives r (sin 2t, 1 - cos 2t) / 2."""
     time = np.linspace(0.0, 3.0, 13)
-    path = rr.contact_path(R, time, np.outer(time, [0.0, 1.0, 2.0]))
+    path = rr.contact.contact_path(R, time, np.outer(time, [0.0, 1.0, 2.0]))
     exact = R / 2 * np.column_stack((np.sin(2 * time), 1 - np.cos(2 * time)))
     assert np.abs(path - exact).max() < 1e-13
 
 
 def test_a_function_is_integrated_to_the_tolerance() -> None:
     time = np.linspace(0.0, 4.0, 9)
-    exact = rr.contact_path(R, time, tumble, stepping=TIGHT)
-    default = rr.contact_path(R, time, tumble)
-    coarse = rr.contact_path(R, time, tumble, stepping=Stepping(rtol=1e-3, atol=1e-3, max_step=1.0))
+    exact = rr.contact.contact_path(R, time, tumble, stepping=TIGHT)
+    default = rr.contact.contact_path(R, time, tumble)
+    coarse = rr.contact.contact_path(
+        R, time, tumble, stepping=Stepping(rtol=1e-3, atol=1e-3, max_step=1.0)
+    )
     assert np.abs(default - exact).max() < 1e-9
     assert 1e-7 < np.abs(coarse - exact).max() < 1e-2
 
 
 def test_unequal_intervals_and_the_start() -> None:
     time = np.sort(np.random.default_rng(0).uniform(0.0, 2.0, 200))
-    exact = rr.contact_path(R, time, tumble, stepping=TIGHT, position=(1.0, -2.0))
-    sampled = rr.contact_path(R, time, tumble(time)[0], position=(1.0, -2.0))
+    exact = rr.contact.contact_path(R, time, tumble, stepping=TIGHT, position=(1.0, -2.0))
+    sampled = rr.contact.contact_path(R, time, tumble(time)[0], position=(1.0, -2.0))
     assert sampled[0].tolist() == exact[0].tolist() == [1.0, -2.0]
     assert np.abs(sampled - exact).max() < 1e-6
 
@@ -195,10 +197,10 @@ def test_a_closed_loop_of_angles_displaces_the_ball() -> None:
 
     time = np.linspace(0.0, 4.0, 401)
     expected = R * a * np.array([1 - np.cos(b), -np.sin(b)])
-    path = rr.contact_path(R, time, loop, stepping=TIGHT)
+    path = rr.contact.contact_path(R, time, loop, stepping=TIGHT)
     assert loop(4.0)[0].tolist() == [0.0, 0.0, 0.0]
     assert path[-1] == pytest.approx(expected, abs=1e-9)
-    sampled = rr.contact_path(R, time, np.array([loop(t)[0] for t in time]))
+    sampled = rr.contact.contact_path(R, time, np.array([loop(t)[0] for t in time]))
     assert sampled[-1] == pytest.approx(expected, abs=1e-7)
 
 
@@ -225,7 +227,7 @@ def test_holonomy_of_a_ball_that_rolls_around_a_circle() -> None:
     radius = 0.4 * R
     time = np.linspace(0.0, 1.0, 801)
     euler = circling(radius)(time)
-    path = rr.contact_path(R, time, euler, position=(radius, 0.0))
+    path = rr.contact.contact_path(R, time, euler, position=(radius, 0.0))
     circle = radius * np.column_stack((np.cos(2 * np.pi * time), np.sin(2 * np.pi * time)))
     assert np.abs(path - circle).max() < 1e-10
 
@@ -265,9 +267,9 @@ TIME = np.linspace(0.0, 1.0, 8)
 )
 def test_bad_input(arguments: tuple[Any, ...], message: str) -> None:
     with pytest.raises(rr.ParameterError, match=message):
-        rr.contact_path(*arguments)
+        rr.contact.contact_path(*arguments)
 
 
 def test_bad_start() -> None:
     with pytest.raises(rr.ParameterError, match="position has shape"):
-        rr.contact_path(R, TIME, ANGLES, position=(0.0, 0.0, 0.0))
+        rr.contact.contact_path(R, TIME, ANGLES, position=(0.0, 0.0, 0.0))

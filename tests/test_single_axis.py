@@ -157,7 +157,7 @@ def test_yaw_mass_matrix_is_eq_12(seed: int) -> None:
     case = make_case("yaw", seed)
     model = rr.YawModel(case.robot)
     M = model.mass_matrix(case.pose(model), case.state.leg.angle)
-    assert error(M, rr.yaw_mass_matrix(parameters(case.points), case.state.leg.angle)) < 1e-13
+    assert error(M, rr.paper.yaw_mass_matrix(parameters(case.points), case.state.leg.angle)) < 1e-13
     turned = model.mass_matrix(case.pose(model, 2.0), case.state.leg.angle)
     assert np.abs(turned - M).max() < 1e-15
 
@@ -240,7 +240,7 @@ def test_impulsive_yaw_is_the_kinematic_reduction() -> None:
     """Eq (14): g11 yaw_rate + g12 phi1_rate + g13 phi2_rate = 0 all along."""
     t = rr.simulate(rr.YawModel(library_robot(UNEQUAL)), GAIT, 3.0, 0.05)
     for rates, angle, rate in zip(t.euler_rates, t.leg_angle, t.leg_rate, strict=True):
-        g11, *g = rr.yaw_mass_matrix(parameters(UNEQUAL), angle)[0]
+        g11, *g = rr.paper.yaw_mass_matrix(parameters(UNEQUAL), angle)[0]
         assert rates[2] == pytest.approx(-np.array(g) @ rate / g11, abs=1e-9)
 
 
@@ -251,10 +251,10 @@ def test_the_row_that_is_left_out_holds_by_itself(axis: str, seed: int) -> None:
     and the imposed one holds at every velocity that the model can have."""
     case = make_case(axis, seed)
     model = MODELS[axis](case.robot)
-    assert isinstance(model.rolling, rr.RollingContact)
+    assert isinstance(model.rolling, rr.constraints.RollingContact)
     assert model.rolling.imposed == ({"roll": 1, "pitch": 0}[axis],)
     frame = model.model.getFrameId("rrrobot_shell")
-    whole = rr.RollingContact(model.model, frame, case.robot.shell)
+    whole = rr.constraints.RollingContact(model.model, frame, case.robot.shell)
     q = model.configuration(case.pose(model), case.state.leg.angle)
     v = model.velocity(case.pose(model), np.array([case.rate]), case.state.leg.rate)
     rows = whole.evaluate(model.data, q, v)
@@ -293,7 +293,7 @@ def test_trajectories_roll_and_stay_on_their_axis(axis: str) -> None:
 def test_reduced_urdf_locks_the_other_axes(axis: str, seed: int) -> None:
     """In Pinocchio's own kinematics of the reduced-joint URDF, at any q and v."""
     case = make_case(axis, seed)
-    urdf = rr.reduced_urdf(case.robot.urdf, case.axis, height=case.points.shell_radius)
+    urdf = rr.robot.reduced_urdf(case.robot.urdf, case.axis, height=case.points.shell_radius)
     model = pin.buildModelFromXML(urdf)
     assert model.nv == {"roll": 4, "pitch": 4, "yaw": 3}[axis]
     data = model.createData()

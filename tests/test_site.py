@@ -140,7 +140,7 @@ def test_no_page_is_a_stub(pages, site):
 def test_every_picture_is_drawn(site):
     skipped = [p.name for p in site.rglob("*.html") if "Not drawn here" in p.read_text()]
     try:
-        rrrobot.example_robots()
+        rrrobot.robot.example_robots()
     except rrrobot.MissingExtraError:
         skipped = [name for name in skipped if name != "your_robot.html"]
     assert skipped == []

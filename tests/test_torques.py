@@ -11,9 +11,9 @@ def model() -> rr.FullModel:
     return rr.FullModel(rr.Robot.from_parameters())
 
 
-def state(time: float = 0.5) -> rr.MotionState:
+def state(time: float = 0.5) -> rr.drive.MotionState:
     legs = np.array((1.0, 2.0)), np.array((0.3, -0.3))
-    return rr.MotionState(time, np.eye(3), np.zeros(3), np.zeros(2), *legs)
+    return rr.drive.MotionState(time, np.eye(3), np.zeros(3), np.zeros(2), *legs)
 
 
 def test_three_kinds():
@@ -30,7 +30,7 @@ def test_three_kinds():
 def test_feedback_sees_the_state_of_the_run(model):
     seen = []
 
-    def law(s: rr.MotionState) -> np.ndarray:
+    def law(s: rr.drive.MotionState) -> np.ndarray:
         seen.append(s)
         return -0.2 * (s.leg_angle - 1.5) - 0.02 * s.leg_rate
 

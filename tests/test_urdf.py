@@ -141,7 +141,7 @@ def test_the_shell_shows_its_rotation():
 
 @pytest.mark.parametrize("kind", CHAINS)
 def test_reduced_body_stands_at_the_radius_and_moves_on_its_axes(kind):
-    text = rr.reduced_urdf(rr.rrrobot_urdf(), kind, height=0.12)
+    text = rr.robot.reduced_urdf(rr.rrrobot_urdf(), kind, height=0.12)
     model = pin.buildModelFromXML(text)
     free = [name for name, _, _ in CHAINS[kind]]
     assert list(model.names) == ["universe", *free, "leg_1", "leg_2"]
@@ -159,7 +159,7 @@ def test_reduced_body_stands_at_the_radius_and_moves_on_its_axes(kind):
 @examples(15)
 def test_reduced_version_of_any_tree_moves_as_the_tree_does(seed, kind, height):
     text = random_urdf(seed, joints=6)
-    reduced = pin.buildModelFromXML(rr.reduced_urdf(text, kind, height=height))
+    reduced = pin.buildModelFromXML(rr.robot.reduced_urdf(text, kind, height=height))
     whole = pin.buildModelFromXML(text)
     names = [name for name, _, _ in CHAINS[kind]]
     positions = random_positions(whole, seed)
@@ -177,16 +177,16 @@ def test_reduced_version_of_any_tree_moves_as_the_tree_does(seed, kind, height):
 def test_reduced_version_of_an_example_robot(kind):
     pytest.importorskip("example_robot_data")
     robot = rr.Robot.from_example("solo12", shell=rr.Sphere(0.2))
-    reduced = pin.buildModelFromXML(rr.reduced_urdf(robot.urdf, kind, height=0.2))
+    reduced = pin.buildModelFromXML(rr.robot.reduced_urdf(robot.urdf, kind, height=0.2))
     assert reduced.nv == len(CHAINS[kind]) + 12
     assert pin.computeTotalMass(reduced) == pytest.approx(robot.mass, rel=1e-12)
     assert reduced.name == f"{robot.name}_{kind}"
 
 
 def test_reducing_twice_needs_other_names():
-    once = rr.reduced_urdf(rr.rrrobot_urdf(), "yaw", height=0.12)
+    once = rr.robot.reduced_urdf(rr.rrrobot_urdf(), "yaw", height=0.12)
     with pytest.raises(rr.UrdfError, match=r"already has base_yaw, world: rename"):
-        rr.reduced_urdf(once, "yaw")
+        rr.robot.reduced_urdf(once, "yaw")
 
 
 @pytest.mark.parametrize(
@@ -200,19 +200,19 @@ def test_reducing_twice_needs_other_names():
 def test_name_clashes_are_named(old, new, clash):
     text = rr.rrrobot_urdf().replace(f'"{old}"', f'"{new}"')
     with pytest.raises(rr.UrdfError, match=f"already has {clash}: rename it; the pivoting chain"):
-        rr.reduced_urdf(text, "pivoting")
+        rr.robot.reduced_urdf(text, "pivoting")
 
 
 @pytest.mark.parametrize("kind", ["full", "", "Yaw", None, 3])
 def test_unknown_kind(kind):
     with pytest.raises(rr.UrdfError, match="it must be one of pivoting, roll, pitch, yaw"):
-        rr.reduced_urdf(rr.rrrobot_urdf(), kind)
+        rr.robot.reduced_urdf(rr.rrrobot_urdf(), kind)
 
 
 @pytest.mark.parametrize("height", [np.nan, np.inf, "high", None])
 def test_bad_height(height):
     with pytest.raises(rr.ParameterError, match=r"^height is"):
-        rr.reduced_urdf(rr.rrrobot_urdf(), "yaw", height=height)
+        rr.robot.reduced_urdf(rr.rrrobot_urdf(), "yaw", height=height)
 
 
 def test_what_is_read_is_written_again_for_every_parser():

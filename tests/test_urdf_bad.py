@@ -273,7 +273,7 @@ def test_huge_file(tmp_path, monkeypatch):
     path.write_text(GOOD + " " * 10_000)
     refused(path, "more than 10000 bytes: that is the limit")
     with pytest.raises(rr.UrdfError, match="more than 10000 bytes"):
-        rr.reduced_urdf(GOOD + " " * 10_000, "yaw")
+        rr.robot.reduced_urdf(GOOD + " " * 10_000, "yaw")
     path.write_text(GOOD)
     rr.Robot.from_urdf(path, shell=SHELL)
 

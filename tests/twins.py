@@ -65,7 +65,7 @@ class State(NamedTuple):
     """roll, pitch, yaw [rad]"""
     theta_dot: Array
     """[rad/s]"""
-    leg: rr.LegMotion
+    leg: rr.drive.LegMotion
     """angles anywhere, rates and accelerations of a few rad/s, rad/s^2"""
     torque: Array
     """[N m]"""
@@ -75,7 +75,7 @@ class State(NamedTuple):
 
 def random_state(rng: np.random.Generator) -> State:
     turn = rng.uniform(-1, 1, 3) * (np.pi, 1.2, np.pi)
-    leg = rr.LegMotion(rng.uniform(-np.pi, np.pi, 2), *rng.uniform(-5, 5, (2, 2)))
+    leg = rr.drive.LegMotion(rng.uniform(-np.pi, np.pi, 2), *rng.uniform(-5, 5, (2, 2)))
     return State(turn, rng.uniform(-4, 4, 3), leg, *_scaled(rng, 0.1, 2), *_scaled(rng, 0.02, 5))
 
 

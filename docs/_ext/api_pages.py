@@ -38,7 +38,7 @@ _GOOGLE = Config(
     napoleon_use_rtype=False,
     napoleon_attr_annotations=False,
 )
-_CALL = re.compile(r"rr\.(\w+)((?:\.\w+)*)(?:\(.*\))?")
+_CALL = re.compile(r"rr\.((?:\w+\.)*\w+)(?:\(.*\))?")
 
 
 def thing(name: str) -> Any:
@@ -188,6 +188,16 @@ def _skip(
     return True if inherited else None
 
 
+def _is_public(name: str) -> bool:
+    """Whether a dotted name begins with a public one, of the top or of a room."""
+    first, _, rest = name.partition(".")
+    found = getattr(rrrobot, first, None)
+    room = inspect.ismodule(found) and rest.split(".")[0] in getattr(
+        found, "__all__", ()
+    )
+    return first in rrrobot.__all__ or room
+
+
 class _Links(SphinxTransform):
     """Literals such as `rr.simulate(...)` become links to the reference."""
 
@@ -199,9 +209,9 @@ class _Links(SphinxTransform):
             linked = isinstance(
                 literal.parent, (nodes.reference, addnodes.pending_xref)
             )
-            if match is None or linked or match[1] not in rrrobot.__all__:
+            if match is None or linked or not _is_public(match[1]):
                 continue
-            target = f"rrrobot.{match[1]}{match[2]}"
+            target = f"rrrobot.{match[1]}"
             link = addnodes.pending_xref(
                 "", refdomain="py", reftype="obj", reftarget=target, refexplicit=True,
                 refdoc=self.env.docname, refwarn=True,

@@ -6,27 +6,27 @@ import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import click
 import numpy as np
 
 from rrrobot.checks import finite
-from rrrobot.cli.build import build_gait, build_robot, refuse_ground
-from rrrobot.cli.options import gait_options, robot_options
+from rrrobot.cli.options.drive import GaitOptions
+from rrrobot.cli.options.group import takes
+from rrrobot.cli.options.robot import RobotOptions
 from rrrobot.cli.report import tell, to_json
 from rrrobot.cli.types import NUMBER
 from rrrobot.files import make_folder
 from rrrobot.orbits.oscillations import table_3
 from rrrobot.paper.table4 import PAPER, Table4, table_4
+from rrrobot.robot.robot import Robot
 from rrrobot.studies.comparison import MODELS, Comparison, compare
 
 _AXES = ("roll", "pitch", "yaw")
 
 
 @click.command("compare")
-@robot_options
-@gait_options
+@takes(robot=RobotOptions, gait=GaitOptions)
 @click.option("--duration", type=NUMBER, default="30", show_default=True, help="[s]")
 @click.option("--json", "as_json", is_flag=True, help="As JSON, SI units.")
 @click.option("--out", metavar="DIR", help="Also write paths.png, angles.png and rolling.png here.")
@@ -44,7 +44,16 @@ _AXES = ("roll", "pitch", "yaw")
     help="Offsets and phase differences of --plane.",
 )
 @click.option("--quiet", is_flag=True, help="No progress bar.")
-def compare_command(**options: Any) -> None:
+def compare_command(
+    robot: RobotOptions,
+    gait: GaitOptions,
+    duration: float,
+    as_json: bool,
+    out: str | None,
+    plane: bool,
+    grid: tuple[int, int],
+    quiet: bool,
+) -> None:
     """Set the full, the pivoting and the single-axis models side by side on a gait.
 
     The table gives speed, yaw rate, curvature, amplitudes and phases, and the ratios of the first
@@ -56,31 +65,30 @@ def compare_command(**options: Any) -> None:
       rrrobot compare --gait circular --out figures
       rrrobot compare --plane --grid 13 23
     """
-    finite("duration", options["duration"], "s", above=0)
-    refuse_ground(options)
-    robot = build_robot(options)
-    if options["plane"]:
-        table = _plane(robot, options)
-        click.echo(to_json(table.to_dict()) if options["as_json"] else _table_4(table))
+    finite("duration", duration, "s", above=0)
+    body = robot.build_level()
+    if plane:
+        table = _plane(body, grid)
+        click.echo(to_json(table.to_dict()) if as_json else _table_4(table))
         return
-    folder = None if options["out"] is None else make_folder(options["out"])
-    gait = build_gait(options, robot)
-    show = sys.stderr.isatty() and not options["quiet"]
+    folder = None if out is None else make_folder(out)
+    legs = gait.build(body, robot)
+    show = sys.stderr.isatty() and not quiet
     found = compare(
-        robot,
-        gait,
-        options["duration"],
+        body,
+        legs,
+        duration,
         progress=(lambda name: click.echo(f"simulating: {name}", err=True)) if show else None,
     )
     files = [] if folder is None else _figures(found, folder)
     data = {"models": found.rows(), "yaw_amplitude_factor": found.yaw_amplitude_factor}
-    tell(data, _side_by_side(found), files, as_json=options["as_json"])
+    tell(data, _side_by_side(found), files, as_json=as_json)
 
 
 @click.command()
-@robot_options
+@takes(robot=RobotOptions)
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
-def periods(**options: Any) -> None:
+def periods(robot: RobotOptions, as_json: bool) -> None:
     """Print Table 3: periods of small roll and pitch oscillations, beside the paper's.
 
     Legs are held at pi/2 (straight up on RRRobot). "linear" is from the eigenvalues of the
@@ -92,10 +100,8 @@ def periods(**options: Any) -> None:
       rrrobot periods
       rrrobot periods --leg-mass 0.08
     """
-    refuse_ground(options)
-    robot = build_robot(options)
-    rows = table_3(robot)
-    if options["as_json"]:
+    rows = table_3(robot.build_level())
+    if as_json:
         click.echo(to_json([row._asdict() for row in rows]))
         return
     head = ("model", "axis", "paper [s]", "linear [s]", "simulated [s]", "damped [s]")
@@ -130,8 +136,8 @@ def _side_by_side(found: Comparison) -> str:
     return text
 
 
-def _plane(robot: Any, options: dict[str, Any]) -> Table4:
-    rows, columns = options["grid"]
+def _plane(robot: Robot, grid: tuple[int, int]) -> Table4:
+    rows, columns = grid
     return table_4(
         robot,
         offsets=np.linspace(0, np.pi / 2, rows),

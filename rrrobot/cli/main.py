@@ -14,6 +14,7 @@ from typing import Any, NoReturn
 import click
 
 from rrrobot.cli.compare import compare_command, periods
+from rrrobot.cli.gait import gait_command
 from rrrobot.cli.optimise import optimise_command
 from rrrobot.cli.reduce import reduce_command
 from rrrobot.cli.reproduce import reproduce_command
@@ -68,6 +69,7 @@ for _command in (
     reduce_command,
     reproduce_command,
     optimise_command,
+    gait_command,
     view,
     robots,
 ):

@@ -2,110 +2,205 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 
 import click
 import numpy as np
 
-from rrrobot.cli.build import MODELS, Options, build_model, build_robot
 from rrrobot.cli.compile import tell_of_compiling
-from rrrobot.cli.options import damping_options, option_group, robot_options
+from rrrobot.cli.options.group import Group, option, takes
+from rrrobot.cli.options.robot import (
+    MODELS,
+    DampingOptions,
+    GroundOptions,
+    Parts,
+    PerLeg,
+    RobotOptions,
+)
+from rrrobot.cli.progress import gaits_bar
 from rrrobot.cli.report import aligned, to_json
 from rrrobot.cli.types import NUMBER, PER_LEG
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable, write_whole
-from rrrobot.models.base import Model
 from rrrobot.studies.optimisation.goals import COSTS, GOALS, RATES, Goal, as_goal
 from rrrobot.studies.optimisation.pareto import ParetoFront, pareto_front
 from rrrobot.studies.optimisation.result import OptimisedGait
 from rrrobot.studies.optimisation.run import optimise
 from rrrobot.studies.optimisation.table import GaitLimits
-from rrrobot.studies.optimisation.task import Progress
 
 _PLOTS = (".png", ".pdf", ".svg")
 
-goal_options = option_group(
-    click.option(
+_TARGETS = ("speed", "curvature", "yaw_rate", "min_speed")
+
+
+@dataclass(frozen=True, kw_only=True)
+class GoalOptions(Group):
+    """One goal, or the Pareto front instead."""
+
+    goal: str | None = option(
         "--goal",
         type=click.Choice(tuple(GOALS)),
         help="fastest travel; tightest turn of at least --min-speed; efficient: least --cost of a "
         "metre at least as fast as that; target: --speed with --curvature or --yaw-rate, at the "
         "least torque. fastest unless given.",
-    ),
-    click.option("--speed", type=NUMBER, help="Of the target [m/s]."),
-    click.option("--curvature", type=NUMBER, help="Of the target [1/m]; positive to the left."),
-    click.option("--yaw-rate", type=NUMBER, help="Of the target [rad/s]."),
-    click.option("--min-speed", type=NUMBER, help="[m/s]; 0.001 unless given."),
-    click.option(
+    )
+    speed: float | None = option("--speed", type=NUMBER, help="Of the target [m/s].")
+    curvature: float | None = option(
+        "--curvature", type=NUMBER, help="Of the target [1/m]; positive to the left."
+    )
+    yaw_rate: float | None = option("--yaw-rate", type=NUMBER, help="Of the target [rad/s].")
+    min_speed: float | None = option("--min-speed", type=NUMBER, help="[m/s]; 0.001 unless given.")
+    cost: str | None = option(
         "--cost",
         type=click.Choice(tuple(dict.fromkeys((*COSTS, *RATES)))),
         help="With efficient: effort (integral of squared torque), torque (rms, over the speed) "
         "or work (integral of |power|), per metre; effort unless given. With --pareto: torque "
         "(rms) or power; torque unless given.",
-    ),
-    click.option(
+    )
+    pareto: str | None = option(
         "--pareto",
         metavar="FILE",
         help="Instead of one goal: least torque for every speed, as a plot, .png, .pdf or .svg.",
-    ),
-    click.option("--points", type=int, help="Of the Pareto front; 16 unless given."),
-)
+    )
+    points: int | None = option("--points", type=int, help="Of the Pareto front; 16 unless given.")
 
-bound_options = option_group(
-    click.option("--offset", type=PER_LEG, help="Centre of the swing [rad]; 0,pi unless given."),
-    click.option("--amplitude", type=PER_LEG, help="Of the swing [rad]; 0,0.5 unless given."),
-    click.option("--frequency", type=PER_LEG, help="Angular [rad/s]; 2,14 unless given."),
-    click.option(
+    def build(self) -> Goal | None:
+        """The goal, or None for the Pareto front.
+
+        Raises:
+            click.UsageError: options that do not go together.
+        """
+        if self.pareto is not None:
+            self.refuse(("goal", *_TARGETS), "do not go with --pareto")
+            return None
+        self.refuse(("points",), "go with --pareto only")
+        name = self.goal or "fastest"
+        keys = {
+            "fastest": (),
+            "tightest": ("min_speed",),
+            "efficient": ("min_speed", "cost"),
+            "target": ("speed", "curvature", "yaw_rate"),
+        }[name]
+        others = tuple(key for key in (*_TARGETS, "cost") if key not in keys)
+        self.refuse(others, f"do not go with --goal {name}")
+        given = self.given(*keys)
+        if name == "target" and "speed" not in given:
+            raise click.UsageError("--goal target needs --speed, and --curvature or --yaw-rate.")
+        return as_goal(GOALS[name](**given))
+
+
+@dataclass(frozen=True, kw_only=True)
+class BoundOptions(Group):
+    """The box of gaits that is searched."""
+
+    offset: PerLeg = option(
+        "--offset", type=PER_LEG, help="Centre of the swing [rad]; 0,pi unless given."
+    )
+    amplitude: PerLeg = option(
+        "--amplitude", type=PER_LEG, help="Of the swing [rad]; 0,0.5 unless given."
+    )
+    frequency: PerLeg = option(
+        "--frequency", type=PER_LEG, help="Angular [rad/s]; 2,14 unless given."
+    )
+    phase: PerLeg = option(
         "--phase", type=PER_LEG, help="Of other legs from leg 1 [rad]; 0,2*pi unless given."
-    ),
-    click.option("--harmonics", type=int, default=1, show_default=True, help="Of the gait."),
-    click.option("--tied", is_flag=True, help="One offset and one amplitude for all legs."),
-)
+    )
+    harmonics: int = option(
+        "--harmonics", type=int, default=1, show_default=True, help="Of the gait."
+    )
+    tied: bool = option("--tied", is_flag=True, help="One offset and one amplitude for all legs.")
 
-limit_options = option_group(
-    click.option("--friction", type=NUMBER, help="Coefficient that the ground offers."),
-    click.option("--max-curvature", type=NUMBER, help="Of the path [1/m]."),
-    click.option("--max-torque", type=NUMBER, help="Of each motor [N m]."),
-    click.option("--max-leg-rate", type=NUMBER, help="[rad/s]"),
-    click.option("--max-leg-acceleration", type=NUMBER, help="[rad/s^2]"),
-    click.option("--max-pitch", type=NUMBER, help="[rad]; 1.2 unless given."),
-    click.option("--min-normal-force", type=NUMBER, help="Over the weight; 0.05 unless given."),
-    click.option("--min-clearance", type=NUMBER, help="Of the legs' masses [m]; 0 unless given."),
-    click.option(
+    def settings(self) -> dict[str, Any]:
+        """Keywords of `optimise`."""
+        bounds = self.given("offset", "amplitude", "frequency", "phase")
+        if "phase" in bounds:
+            bounds["phase_difference"] = bounds.pop("phase")
+        found = {name: _pairs(value) for name, value in bounds.items()}
+        return found | {"harmonics": self.harmonics, "tied": self.tied}
+
+
+@dataclass(frozen=True, kw_only=True)
+class LimitOptions(Group):
+    """What every gait must respect."""
+
+    friction: float | None = option(
+        "--friction", type=NUMBER, help="Coefficient that the ground offers."
+    )
+    max_curvature: float | None = option("--max-curvature", type=NUMBER, help="Of the path [1/m].")
+    max_torque: float | None = option("--max-torque", type=NUMBER, help="Of each motor [N m].")
+    max_leg_rate: float | None = option("--max-leg-rate", type=NUMBER, help="[rad/s]")
+    max_leg_acceleration: float | None = option(
+        "--max-leg-acceleration", type=NUMBER, help="[rad/s^2]"
+    )
+    max_pitch: float | None = option("--max-pitch", type=NUMBER, help="[rad]; 1.2 unless given.")
+    min_normal_force: float | None = option(
+        "--min-normal-force", type=NUMBER, help="Over the weight; 0.05 unless given."
+    )
+    min_clearance: float | None = option(
+        "--min-clearance", type=NUMBER, help="Of the legs' masses [m]; 0 unless given."
+    )
+    max_variation: float | None = option(
         "--max-variation", type=NUMBER, help="Of the step between cycles; 0.01 unless given."
-    ),
-)
+    )
+
+    def build(self) -> GaitLimits:
+        """The limits."""
+        return GaitLimits(**self.given(*(f.name for f in fields(self))))
+
+
+@dataclass(frozen=True, kw_only=True)
+class SearchOptions(Group):
+    """How long and from which seed."""
+
+    settle_time: float = option(
+        "--settle-time", type=NUMBER, default="25", show_default=True, help="[s]"
+    )
+    budget: int | None = option(
+        "--budget",
+        type=int,
+        help="Gaits to simulate; 20000 a harmonic, 30000 for a front, unless given.",
+    )
+    seed: int = option(
+        "--seed", type=int, default=0, show_default=True, help="Same seed, same bits."
+    )
 
 
 @click.command("optimise")
-@goal_options
-@bound_options
-@limit_options
 @click.option("--model", type=click.Choice(("full", "pivoting")), default="full", show_default=True)
-@robot_options
-@damping_options
-@click.option("--settle-time", type=NUMBER, default="25", show_default=True, help="[s]")
-@click.option(
-    "--budget",
-    type=int,
-    help="Gaits to simulate; 20000 a harmonic, 30000 for a front, unless given.",
+@takes(
+    goal=GoalOptions,
+    bounds=BoundOptions,
+    limits=LimitOptions,
+    robot=RobotOptions,
+    ground=GroundOptions,
+    damping=DampingOptions,
+    search=SearchOptions,
 )
-@click.option("--seed", type=int, default=0, show_default=True, help="Same seed, same bits.")
 @click.option("--json", "as_json", is_flag=True, help="As JSON, SI units.")
 @click.option("--out", metavar="FILE", help="Also write that JSON here: .json.")
 @click.option("--quiet", is_flag=True, help="No progress bar.")
-def optimise_command(**options: Any) -> None:
+def optimise_command(
+    model: str,
+    goal: GoalOptions,
+    bounds: BoundOptions,
+    limits: LimitOptions,
+    robot: RobotOptions,
+    ground: GroundOptions,
+    damping: DampingOptions,
+    search: SearchOptions,
+    as_json: bool,
+    out: str | None,
+    quiet: bool,
+) -> None:
     """Find the best gait for a goal, and confirm it by a simulation with forces.
 
     A bound is one number, which is kept, or LOW,HIGH for all legs, or LOW,HIGH for each leg in
     turn, with commas between; a number may be written pi/2.
 
     If no gait is within the limits, or a target is out of reach, the nearest is printed and the
-    exit code is 1. The "gait" of the JSON goes back in by rrrobot.gait_from_dict.
+    exit code is 1. The file of --out is a gait for --gait of other commands.
 
     \b
     Examples:
@@ -113,71 +208,23 @@ def optimise_command(**options: Any) -> None:
       rrrobot optimise --goal target --speed 0.005 --curvature 2 --out gait.json
       rrrobot optimise --pareto front.png
     """
-    files = _files(options)
-    front = options["pareto"] is not None
-    goal = None if front else _goal(options)
-    if front:
-        _refuse(options, ("goal", "speed", "curvature", "yaw_rate", "min_speed"), "--pareto")
-    elif options["points"] is not None:
-        raise click.UsageError("--points goes with --pareto only.")
-    model = _model(options)
-    settings = _settings(options)
-    tell_of_compiling(quiet=options["quiet"], loads=True)
-    with _progress_bar(options["quiet"]) as progress:
-        if goal is None:
+    files = _files(out, goal.pareto)
+    wanted = goal.build()
+    body = Parts.of(robot, ground, damping).model(MODELS[model])
+    settings = bounds.settings() | search.given("settle_time", "seed", "budget")
+    settings["limits"] = limits.build()
+    tell_of_compiling(quiet=quiet, loads=True)
+    with gaits_bar(quiet=quiet) as progress:
+        if wanted is None:
+            front = goal.given("cost", "points")
             found: ParetoFront | OptimisedGait = pareto_front(
-                model, progress=progress, **settings, **_front_settings(options)
+                body, progress=progress, **settings, **front
             )
         else:
-            found = optimise(model, goal, progress=progress, **settings)
-    _report(found, files, as_json=options["as_json"])
+            found = optimise(body, wanted, progress=progress, **settings)
+    _report(found, files, as_json=as_json)
     if isinstance(found, OptimisedGait) and not found.met:
         raise click.ClickException(f"the nearest gait falls short: {'; '.join(found.shortfalls)}.")
-
-
-def _goal(options: Options) -> Goal:
-    """The goal of `goal_options`."""
-    name = options["goal"] or "fastest"
-    keys = {
-        "fastest": (),
-        "tightest": ("min_speed",),
-        "efficient": ("min_speed", "cost"),
-        "target": ("speed", "curvature", "yaw_rate"),
-    }[name]
-    every = ("speed", "curvature", "yaw_rate", "min_speed", "cost")
-    _refuse(options, tuple(key for key in every if key not in keys), f"--goal {name}")
-    given = {key: options[key] for key in keys if options[key] is not None}
-    if name == "target" and "speed" not in given:
-        raise click.UsageError("--goal target needs --speed, and --curvature or --yaw-rate.")
-    return as_goal(GOALS[name](**given))
-
-
-def _refuse(options: Options, keys: tuple[str, ...], where: str) -> None:
-    found = [f"--{key.replace('_', '-')}" for key in keys if options[key] is not None]
-    if found:
-        raise click.UsageError(f"{', '.join(found)}: such options do not go with {where}.")
-
-
-def _model(options: Options) -> Model:
-    return build_model(MODELS[options["model"]], options, build_robot(options))
-
-
-def _settings(options: Options) -> Options:
-    """Bounds, limits and the search as `optimise` and `pareto_front` take them."""
-    names = {"offset": "offset", "amplitude": "amplitude", "frequency": "frequency"}
-    names["phase_difference"] = "phase"
-    found = {name: _pairs(options[key]) for name, key in names.items() if options[key] is not None}
-    limits = {
-        key: options[key] for key in GaitLimits.__dataclass_fields__ if options[key] is not None
-    }
-    found |= {key: options[key] for key in ("harmonics", "tied", "settle_time", "seed")}
-    if options["budget"] is not None:
-        found["budget"] = options["budget"]
-    return found | {"limits": GaitLimits(**limits)}
-
-
-def _front_settings(options: Options) -> Options:
-    return {key: options[key] for key in ("cost", "points") if options[key] is not None}
 
 
 def _pairs(value: Any) -> Any:
@@ -187,11 +234,10 @@ def _pairs(value: Any) -> Any:
     return value
 
 
-def _files(options: Options) -> dict[str, Path]:
+def _files(out: str | None, pareto: str | None) -> dict[str, Path]:
     """Checked paths of --out and --pareto."""
     found = {}
-    for key, suffixes in (("out", (".json",)), ("pareto", _PLOTS)):
-        name = options[key]
+    for key, name, suffixes in (("out", out, (".json",)), ("pareto", pareto, _PLOTS)):
         if name is not None:
             if Path(name).suffix.lower() not in suffixes:
                 raise OutputError(
@@ -206,7 +252,7 @@ def _report(found: ParetoFront | OptimisedGait, files: dict[str, Path], *, as_js
     text = to_json(found.to_dict())
     if isinstance(found, ParetoFront):
         from rrrobot.drawing import write_figure
-        from rrrobot.figures.pareto import pareto
+        from rrrobot.figures.fronts import pareto
 
         write_figure(pareto(found), files["pareto"])
     if "out" in files:
@@ -264,20 +310,3 @@ def _numbers(value: Any) -> str:
             return shown[0]
         return f"({', '.join(shown)})"
     return f"{value + 0.0:.4f}"
-
-
-@contextmanager
-def _progress_bar(quiet: bool) -> Iterator[Progress | None]:
-    """Gaits simulated so far, on stderr if that is a terminal."""
-    if quiet or not sys.stderr.isatty():
-        yield None
-        return
-    from tqdm import tqdm
-
-    with tqdm(desc="gaits", leave=False, delay=1.0, file=sys.stderr) as bar:
-
-        def progress(used: int, budget: int) -> None:
-            bar.total = budget
-            bar.update(used - bar.n)
-
-        yield progress

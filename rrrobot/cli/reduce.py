@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import math
 import sys
+from dataclasses import dataclass
 from typing import Any
 
 import click
 import numpy as np
 
-from rrrobot.cli.build import build_robot, refuse_ground
-from rrrobot.cli.options import robot_options
+from rrrobot.checks import Array
+from rrrobot.cli.options.group import Group, option, takes
+from rrrobot.cli.options.robot import RobotOptions
 from rrrobot.cli.report import aligned, to_json
 from rrrobot.cli.types import NUMBER, Numbers, names
 from rrrobot.contact.ground import Plane
@@ -32,28 +34,63 @@ from rrrobot.steering.yaw_planner import plan_yaw
 _MODELS: tuple[type[Model], ...] = (YawModel, PitchModel, RollModel, PivotingModel, FullModel)
 
 
+Pair = float | tuple[float, ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class CycleOptions(Group):
+    """A cycle of two joints."""
+
+    pair: str | None = option(
+        "--pair", metavar="J1,J2", help="Joints of the cycle; the first two unless given."
+    )
+    offset: Pair = option(
+        "--offset",
+        type=Numbers(1, 2),
+        default=5 * math.pi / 8 + 0.15,
+        show_default="5 pi/8 + 0.15, trajectory A",
+        help="Centre of the cycle [rad].",
+    )
+    amplitude: Pair = option(
+        "--amplitude", type=Numbers(1, 2), default=0.3, show_default=True, help="[rad]"
+    )
+    phase_difference: float = option(
+        "--phase-difference", type=NUMBER, default="pi/2", show_default=True, help="[rad]"
+    )
+    limits: tuple[float, float] = option(
+        "--limits",
+        type=Numbers(2),
+        default="-pi,pi",
+        show_default=True,
+        metavar="LOW,HIGH",
+        help="Of the legs: in the picture, of --optimal and of --plan [rad].",
+    )
+
+    def joints(self, robot: Robot) -> tuple[int, int]:
+        """Where the pair is among the legs."""
+        chosen = robot.legs[:2] if self.pair is None else names(self.pair) or ()
+        missing = [name for name in chosen if name not in robot.legs]
+        if missing or len(set(chosen)) != 2:
+            raise ParameterError(
+                f"--pair is {', '.join(chosen) or 'empty'}: it must be two of the legs "
+                f"{', '.join(robot.legs) or '(none)'}."
+            )
+        return robot.legs.index(chosen[0]), robot.legs.index(chosen[1])
+
+    def build(self, robot: Robot, pair: tuple[int, int]) -> SinusoidalGait:
+        """The cycle as a gait; other legs rest at zero."""
+        offset, amplitude, phase = np.zeros((3, robot.n_legs))
+        offset[list(pair)], amplitude[list(pair)] = self.offset, self.amplitude
+        phase[pair[1]] = self.phase_difference
+        return SinusoidalGait(
+            offset=offset, amplitude=amplitude, angular_frequency=8.0, phase=phase
+        )
+
+
 @click.command("reduce")
-@robot_options
-@click.option("--pair", metavar="J1,J2", help="Joints of the cycle; the first two unless given.")
-@click.option(
-    "--offset",
-    type=Numbers(1, 2),
-    default=5 * math.pi / 8 + 0.15,
-    show_default="5 pi/8 + 0.15, trajectory A",
-    help="Centre of the cycle [rad].",
-)
-@click.option("--amplitude", type=Numbers(1, 2), default=0.3, show_default=True, help="[rad]")
-@click.option("--phase-difference", type=NUMBER, default="pi/2", show_default=True, help="[rad]")
+@takes(robot=RobotOptions, cycle=CycleOptions)
 @click.option("--models", is_flag=True, help="Also which models reduce, with and without gravity.")
 @click.option("--optimal", is_flag=True, help="Also the cycles that turn the body most.")
-@click.option(
-    "--limits",
-    type=Numbers(2),
-    default="-pi,pi",
-    show_default=True,
-    metavar="LOW,HIGH",
-    help="Of the legs: in the picture, of --optimal and of --plan [rad].",
-)
 @click.option(
     "--plan",
     "goal",
@@ -63,7 +100,15 @@ _MODELS: tuple[type[Model], ...] = (YawModel, PitchModel, RollModel, PivotingMod
 )
 @click.option("--out", metavar="FILE", help="Write the height function's picture here (png, svg).")
 @click.option("--json", "as_json", is_flag=True, help="As JSON, SI units.")
-def reduce_command(**options: Any) -> None:
+def reduce_command(
+    robot: RobotOptions,
+    cycle: CycleOptions,
+    models: bool,
+    optimal: bool,
+    goal: Pair | None,
+    out: str | None,
+    as_json: bool,
+) -> None:
     """Turn a robot on a pivot by moving its legs: connection, height function, net yaw.
 
     The body spins about the vertical through its shell's centre, as a satellite would; joints that
@@ -75,63 +120,44 @@ def reduce_command(**options: Any) -> None:
       rrrobot reduce --robot solo12 --shell-radius 0.3 --pair FL_HFE,FR_HFE
       rrrobot reduce --plan 1.0,1.2,1.6 --limits 0.2,2.9
     """
-    target = None if options["out"] is None else check_writable(options["out"])
-    refuse_ground(options)
-    robot = build_robot(options)
-    connection = Connection(robot)
-    pair = _pair(robot, options["pair"])
-    gait = _cycle(robot, pair, options)
+    target = None if out is None else check_writable(out)
+    body = robot.build_level()
+    connection = Connection(body)
+    pair = cycle.joints(body)
+    gait = cycle.build(body, pair)
     center = gait.offset
     data: dict[str, Any] = {
-        "robot": robot.name,
-        "pair": [robot.legs[i] for i in pair],
+        "robot": body.name,
+        "pair": [body.legs[i] for i in pair],
         "connection": connection(center),
         "inertia": float(connection.inertia(center)),
         "height": float(connection.height(center, pair)),
         "bracket_order": controllability(connection, center).order,
         "net_yaw": {method: net_yaw(connection, gait, method=method) for method in METHODS},
     }
-    if options["models"]:
-        data["models"] = _reducibility(robot)
+    if models:
+        data["models"] = _reducibility(body)
     cycles: dict[str, Gait] = {"cycle": gait}
-    if options["optimal"]:
+    if optimal:
         best = {
-            goal: optimal_cycle(connection, goal=goal, limits=options["limits"], pair=pair)
-            for goal in GOALS
+            name: optimal_cycle(connection, goal=name, limits=cycle.limits, pair=pair)
+            for name in GOALS
         }
-        cycles |= {f"most per {goal}": cycle.gait for goal, cycle in best.items()}
-        data["optimal"] = {goal: _optimal(cycle) for goal, cycle in best.items()}
-    if options["goal"] is not None:
-        data["plan"] = _plan(robot, pair, center, options)
+        cycles |= {f"most per {name}": found.gait for name, found in best.items()}
+        data["optimal"] = {name: _optimal(found) for name, found in best.items()}
+    if goal is not None:
+        data["plan"] = _plan(body, pair, center, goal, cycle.limits)
     if target is not None:
         from rrrobot.drawing import write_figure
         from rrrobot.figures.reduction import height_map
 
-        ax: Any = height_map(connection, cycles, pair=pair, limits=options["limits"])
+        ax: Any = height_map(connection, cycles, pair=pair, limits=cycle.limits)
         kind = target.suffix.removeprefix(".").lower() or "png"
         if kind not in ("png", "svg", "pdf"):
             raise ParameterError(f"--out is {target.name!r}: its ending must be png, svg or pdf.")
         data["file"] = str(write_figure(ax.figure, target))
-    click.echo(to_json(data) if options["as_json"] else _text(data))
+    click.echo(to_json(data) if as_json else _text(data))
     sys.stdout.flush()
-
-
-def _pair(robot: Robot, text: str | None) -> tuple[int, int]:
-    chosen = robot.legs[:2] if text is None else names(text) or ()
-    missing = [name for name in chosen if name not in robot.legs]
-    if missing or len(set(chosen)) != 2:
-        raise ParameterError(
-            f"--pair is {', '.join(chosen) or 'empty'}: it must be two of the legs "
-            f"{', '.join(robot.legs) or '(none)'}."
-        )
-    return robot.legs.index(chosen[0]), robot.legs.index(chosen[1])
-
-
-def _cycle(robot: Robot, pair: tuple[int, int], options: dict[str, Any]) -> SinusoidalGait:
-    offset, amplitude, phase = np.zeros((3, robot.n_legs))
-    offset[list(pair)], amplitude[list(pair)] = options["offset"], options["amplitude"]
-    phase[pair[1]] = options["phase_difference"]
-    return SinusoidalGait(offset=offset, amplitude=amplitude, angular_frequency=8.0, phase=phase)
 
 
 def _reducibility(robot: Robot) -> list[dict[str, Any]]:
@@ -156,11 +182,14 @@ def _optimal(cycle: OptimalCycle) -> dict[str, Any]:
 
 
 def _plan(
-    robot: Robot, pair: tuple[int, int], center: np.ndarray, options: dict[str, Any]
+    robot: Robot,
+    pair: tuple[int, int],
+    center: Array,
+    goal: Pair,
+    limits: tuple[float, float],
 ) -> dict[str, Any]:
     start = np.concatenate(([0.0], center))
-    plan = plan_yaw(robot, start, np.atleast_1d(options["goal"]), limits=options["limits"],
-                    pair=pair)  # fmt: skip
+    plan = plan_yaw(robot, start, np.atleast_1d(goal), limits=limits, pair=pair)
     interval = plan.duration / 200
     run = simulate(YawModel(robot), plan.gait, plan.duration, sample_interval=interval)
     return {

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import sys
 from collections import Counter
-from typing import Any
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 
 import click
 
@@ -12,7 +13,7 @@ from rrrobot.cli.compile import tell_of_compiling
 from rrrobot.cli.report import to_json
 from rrrobot.paper.item import AGREES, DIFFERS, ERRATUM, OPEN
 from rrrobot.paper.report import Section, short
-from rrrobot.paper.run import ITEMS, Reproduction, reproduce
+from rrrobot.paper.run import ITEMS, reproduce
 
 
 @click.command("reproduce")
@@ -23,7 +24,15 @@ from rrrobot.paper.run import ITEMS, Reproduction, reproduce
 @click.option("--list", "show_list", is_flag=True, help="List the keys and stop.")
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
 @click.option("--quiet", is_flag=True, help="No progress bar, no word of compiling.")
-def reproduce_command(**options: Any) -> None:
+def reproduce_command(
+    out: str,
+    only: str | None,
+    quick: bool,
+    anew: bool,
+    show_list: bool,
+    as_json: bool,
+    quiet: bool,
+) -> None:
     """Make the tables, figures and claims of the paper, and a report that sets ours beside them.
 
     The folder takes report.html, report.md, a picture for each figure and the numbers of each item
@@ -34,23 +43,24 @@ def reproduce_command(**options: Any) -> None:
       rrrobot reproduce
       rrrobot reproduce --only fig18,table3 --out figures
     """
-    if options["show_list"]:
+    if show_list:
         rows = [{"key": item.key, "title": item.title} for item in ITEMS]
-        if options["as_json"]:
+        if as_json:
             click.echo(to_json(rows))
         else:
             width = max(len(row["key"]) for row in rows)
             click.echo("\n".join(f"{row['key']:<{width}}  {row['title']}" for row in rows))
         return
-    only = None if options["only"] is None else _keys(options["only"])
-    tell_of_compiling(quiet=options["quiet"])
-    found = _run(options, only)
-    if options["as_json"]:
+    keys = None if only is None else _keys(only)
+    tell_of_compiling(quiet=quiet)
+    with _bar(quiet=quiet) as progress:
+        found = reproduce(out, only=keys, quick=quick, resume=not anew, progress=progress)
+    if as_json:
         data = {"report": str(found.report), "sections": [s._asdict() for s in found.sections]}
         click.echo(to_json(data))
         return
     for section in found.sections:
-        click.echo(_line(section, in_full=only is not None))
+        click.echo(_line(section, in_full=keys is not None))
     if found.kept:
         click.echo(f"kept from an earlier run: {len(found.kept)} of {len(found.sections)}")
     counts = Counter(row["verdict"] for section in found.sections for row in section.rows)
@@ -63,10 +73,12 @@ def _keys(text: str) -> list[str]:
     return [key.strip().lower() for key in text.split(",") if key.strip()]
 
 
-def _run(options: dict[str, Any], only: list[str] | None) -> Reproduction:
+@contextmanager
+def _bar(*, quiet: bool) -> Iterator[Callable[[str, int, int], None]]:
+    """Progress over the items, on stderr if that is a terminal."""
     from tqdm import tqdm
 
-    show = sys.stderr.isatty() and not options["quiet"]
+    show = sys.stderr.isatty() and not quiet
     with tqdm(total=len(ITEMS), disable=not show, unit="item", leave=False) as bar:
 
         def tell(key: str, done: int, total: int) -> None:
@@ -75,10 +87,7 @@ def _run(options: dict[str, Any], only: list[str] | None) -> Reproduction:
             bar.n = done
             bar.refresh()
 
-        return reproduce(
-            options["out"], only=only, quick=options["quick"], resume=not options["anew"],
-            progress=tell,
-        )  # fmt: skip
+        yield tell
 
 
 def _line(section: Section, *, in_full: bool) -> str:

@@ -3,56 +3,68 @@
 from __future__ import annotations
 
 import re
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import click
 
-from rrrobot.cli.build import (
+from rrrobot.cli.compile import tell_of_compiling
+from rrrobot.cli.options.drive import GaitOptions, TorqueOptions
+from rrrobot.cli.options.group import Group, option, takes
+from rrrobot.cli.options.robot import (
     DECOUPLED,
     MODELS,
-    Options,
-    build_drive,
-    build_model,
-    build_robot,
-    build_run,
-    progress_bar,
+    DampingOptions,
+    GroundOptions,
+    Parts,
+    RobotOptions,
 )
-from rrrobot.cli.compile import tell_of_compiling
-from rrrobot.cli.options import (
-    damping_options,
-    drive_options,
-    gait_options,
-    option_group,
-    robot_options,
-    run_options,
-    start_options,
-)
+from rrrobot.cli.options.run import RunOptions, StartOptions
+from rrrobot.cli.progress import progress_bar
 from rrrobot.cli.report import summary, table, tell
 from rrrobot.drive.gaits import Gait
 from rrrobot.drive.torques import LegTorques
 from rrrobot.errors import OutputError, SimulationError
 from rrrobot.files import check_writable
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
-from rrrobot.robot.robot import Robot
 from rrrobot.simulation.recombined import decoupled
 from rrrobot.simulation.run import simulate as run_model
 from rrrobot.simulation.trajectory import Trajectory
 
-SUFFIXES = {"plot": (".png", ".pdf", ".svg"), "html": (".html", ".htm"), "save": (".npz",)}
+SUFFIXES = {
+    "plot": (".png", ".pdf", ".svg"),
+    "html": (".html", ".htm"),
+    "save": (".npz",),
+    "csv": (".csv",),
+    "mat": (".mat",),
+}
 
-output_options = option_group(
-    click.option("--json", "as_json", is_flag=True, help="Summary as JSON, SI units."),
-    click.option("--plot", metavar="FILE", help="Plots: .png, .pdf or .svg."),
-    click.option("--html", metavar="FILE", help="Film that plays in any browser: .html."),
-    click.option(
+
+@dataclass(frozen=True, kw_only=True)
+class OutputOptions(Group):
+    """What is printed and written."""
+
+    as_json: bool = option("--json", is_flag=True, help="Summary as JSON, SI units.")
+    plot: str | None = option("--plot", metavar="FILE", help="Plots: .png, .pdf or .svg.")
+    html: str | None = option(
+        "--html", metavar="FILE", help="Film that plays in any browser: .html."
+    )
+    save: str | None = option(
         "--save",
         metavar="FILE",
         help="The whole trajectory: .npz, for Trajectory.load and 'rrrobot view'. Written too if "
         "the run stops early.",
-    ),
-    click.option("--quiet", is_flag=True, help="No progress bar."),
-)
+    )
+    csv: str | None = option(
+        "--csv", metavar="FILE", help="All samples as a table, units in its head: .csv."
+    )
+    mat: str | None = option("--mat", metavar="FILE", help="All samples for MATLAB: .mat.")
+    quiet: bool = option("--quiet", is_flag=True, help="No progress bar.")
+
+    def files(self) -> dict[str, Path]:
+        """Checked paths of what is to be written."""
+        return {key: checked_file(key, name) for key, name in self.given(*SUFFIXES).items()}
 
 
 @click.command()
@@ -64,14 +76,27 @@ output_options = option_group(
     help="full: the robot rolls; pivoting: it turns about its centre; roll, pitch, yaw: about one "
     "axis; decoupled: these three recombined by rolling.",
 )
-@robot_options
-@gait_options
-@drive_options
-@run_options
-@start_options
-@damping_options
-@output_options
-def simulate(**options: Any) -> None:
+@takes(
+    robot=RobotOptions,
+    ground=GroundOptions,
+    gait=GaitOptions,
+    torque=TorqueOptions,
+    run=RunOptions,
+    start=StartOptions,
+    damping=DampingOptions,
+    output=OutputOptions,
+)
+def simulate(
+    model: str,
+    robot: RobotOptions,
+    ground: GroundOptions,
+    gait: GaitOptions,
+    torque: TorqueOptions,
+    run: RunOptions,
+    start: StartOptions,
+    damping: DampingOptions,
+    output: OutputOptions,
+) -> None:
     """Simulate a round robot that swings its legs.
 
     The legs follow a gait, or are driven by constant torques.
@@ -87,55 +112,61 @@ def simulate(**options: Any) -> None:
     Examples:
       rrrobot simulate --gait circular --plot circular.png --html circular.html
       rrrobot simulate --offset pi/2,pi/4 --amplitude 0.2 --duration 60 --json
+      rrrobot simulate --ground slope:5 --csv run.csv
       rrrobot simulate --robot solo12 --shell-radius 0.25 --shell-center 0 0 0.12 \
         --legs FL_HFE,FR_HFE,HL_HFE,HR_HFE --offset pi --damping-kind body
     """
-    run(options)
-
-
-def run(options: Options) -> None:
-    """Check the outputs, simulate, write them, print the summary."""
-    files = {key: checked_file(key, options[key]) for key in SUFFIXES if options[key] is not None}
-    settings = build_run(options)
-    robot = build_robot(options)
-    drive = build_drive(options, robot)
-    if settings.get("method") == "momentum" and options["model"] != DECOUPLED:
-        tell_of_compiling(quiet=options["quiet"], alone=True)
+    files, settings = output.files(), run.settings()
+    parts = Parts.of(robot, ground, damping)
+    drive = torque.build(gait, parts.robot, robot)
+    if settings.get("method") == "momentum" and model != DECOUPLED:
+        tell_of_compiling(quiet=output.quiet, alone=True)
     try:
-        with progress_bar(settings["duration"], quiet=options["quiet"]) as progress:
-            trajectory = _simulate(options, robot, drive, settings | {"progress": progress})
+        with progress_bar(run.duration, quiet=output.quiet) as progress:
+            settings["progress"] = progress
+            trajectory = _simulate(model, parts, drive, start, settings)
     except SimulationError as error:
         raise _with_partial_run(error, files.get("save")) from None
     data = summary(trajectory)
     written = write_outputs(trajectory, files)
-    tell(data, table(data), written, as_json=options["as_json"])
+    tell(data, table(data), written, as_json=output.as_json)
 
 
 def _simulate(
-    options: Options, robot: Robot, drive: Gait | LegTorques, settings: Options
+    name: str,
+    parts: Parts,
+    drive: Gait | LegTorques,
+    start: StartOptions,
+    settings: dict[str, Any],
 ) -> Trajectory:
-    name = options["model"]
     if name != DECOUPLED:
-        settings["start"] = options["start"]
-        if options["euler"] is not None:
-            settings["euler"] = options["euler"]
-        return run_model(build_model(MODELS[name], options, robot), drive, **settings)
-    if options["start"] != "impulsive" or options["euler"] is not None:
+        settings |= start.given("start", "euler")
+        return run_model(parts.model(MODELS[name]), drive, **settings)
+    if start.start != "impulsive" or start.euler is not None:
         raise click.UsageError("--start and --euler do not go with --model decoupled.")
     if not isinstance(drive, Gait):
         raise click.UsageError("--torque does not go with --model decoupled: it needs a gait.")
     if "method" in settings:
         raise click.UsageError("--method does not go with --model decoupled: it has its own.")
-    axes: dict[str, Any] = {"roll": RollModel, "pitch": PitchModel, "yaw": YawModel}
-    models = {axis: build_model(model, options, robot) for axis, model in axes.items()}
-    return decoupled(robot, drive, **models, **settings)
+    return decoupled(
+        parts.robot,
+        drive,
+        roll=parts.model(RollModel),
+        pitch=parts.model(PitchModel),
+        yaw=parts.model(YawModel),
+        **settings,
+    )
 
 
 def write_outputs(trajectory: Trajectory, files: dict[str, Path]) -> list[Path]:
-    """Write the plot, the film and the trajectory, as far as they are asked for."""
+    """Write the trajectory, its tables, the plot and the film, as far as they are asked for."""
     written = []
     if "save" in files:
         written.append(trajectory.save(files["save"]))
+    if "csv" in files:
+        written.append(trajectory.to_csv(files["csv"]))
+    if "mat" in files:
+        written.append(trajectory.to_mat(files["mat"]))
     if "plot" in files:
         from rrrobot.drawing import write_figure
 
@@ -148,7 +179,7 @@ def write_outputs(trajectory: Trajectory, files: dict[str, Path]) -> list[Path]:
 
 
 def checked_file(key: str, name: str) -> Path:
-    """Path of an output option ("plot", "html", "save") that can be written.
+    """Path of an output option ("plot", "html", "save", "csv", "mat") that can be written.
 
     Raises:
         OutputError: a wrong suffix, or no place to write.

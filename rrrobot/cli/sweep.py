@@ -3,65 +3,102 @@
 from __future__ import annotations
 
 import time
+from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import click
 
-from rrrobot.cli.build import DECOUPLED, MODELS, Options, build_model, build_robot
 from rrrobot.cli.compile import tell_of_compiling
-from rrrobot.cli.options import damping_options, option_group, robot_options
+from rrrobot.cli.options.group import Group, option, takes
+from rrrobot.cli.options.robot import (
+    DECOUPLED,
+    MODELS,
+    DampingOptions,
+    GroundOptions,
+    Parts,
+    RobotOptions,
+)
 from rrrobot.cli.report import tell
-from rrrobot.cli.sweep_grids import build_grids, grid_options
+from rrrobot.cli.sweep_grids import GridOptions
 from rrrobot.cli.sweep_report import draw, draw_paper, folder_of, summary, table, write_figures
 from rrrobot.errors import ParameterError
+from rrrobot.models.base import Model
+from rrrobot.models.recombined import DecoupledModels
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
-from rrrobot.robot.robot import Robot
 from rrrobot.studies.sweeps.run import sweep as run_sweep
-from rrrobot.studies.sweeps.variants import DecoupledModels, Swept
 
-run_options = option_group(
-    click.option("--cycles", type=int, default=38, show_default=True, help="Of each gait."),
-    click.option("--counted", type=int, help="Of these, at the end; those in the second half."),
-    click.option("--steps", type=int, default=10, show_default=True, help="For each cycle."),
-    damping_options,
-    click.option(
+
+@dataclass(frozen=True, kw_only=True)
+class CountOptions(Group):
+    """How each gait is simulated."""
+
+    cycles: int = option("--cycles", type=int, default=38, show_default=True, help="Of each gait.")
+    counted: int | None = option(
+        "--counted", type=int, help="Of these, at the end; those in the second half."
+    )
+    steps: int = option("--steps", type=int, default=10, show_default=True, help="For each cycle.")
+    loads: bool = option(
         "--loads",
         is_flag=True,
         help="Also the motors' torques and power and the friction needed, in the last cycle; best "
         "with --steps 20.",
-    ),
-    click.option("--threads", type=int, help="One for each core unless given."),
-)
+    )
+    threads: int | None = option("--threads", type=int, help="One for each core unless given.")
 
-output_options = option_group(
-    click.option(
+    def settings(self, *, quiet: bool) -> dict[str, Any]:
+        """Keywords of `sweep`, without the loads."""
+        return {
+            "cycles": self.cycles,
+            "counted": self.counted,
+            "steps_per_cycle": self.steps,
+            "threads": self.threads,
+            "progress": False if quiet else None,
+        }
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepOutput(Group):
+    """What is printed and written."""
+
+    out: str | None = option(
         "--out", metavar="FILE", help="Dataset: .nc. Each chunk is written as it is finished."
-    ),
-    click.option(
+    )
+    resume: bool = option(
         "--resume/--no-resume",
         default=True,
         help="Go on with FILE if it is there (default), or replace it.",
-    ),
-    click.option(
+    )
+    figures: str | None = option(
         "--figures",
         metavar="DIR",
         help="Maps over two grids as .png; with --paper and the full model also those beside the "
         "single-axis models.",
-    ),
-    click.option("--json", "as_json", is_flag=True, help="Summary as JSON, SI units."),
-    click.option("--quiet", is_flag=True, help="No progress bar."),
-)
+    )
+    as_json: bool = option("--json", is_flag=True, help="Summary as JSON, SI units.")
+    quiet: bool = option("--quiet", is_flag=True, help="No progress bar.")
 
 
 @click.command("sweep")
 @click.option("--model", type=click.Choice((*MODELS, DECOUPLED)), default="full", show_default=True)
-@grid_options
-@robot_options
-@run_options
-@output_options
-def sweep_command(**options: Any) -> None:
+@takes(
+    grids=GridOptions,
+    robot=RobotOptions,
+    ground=GroundOptions,
+    count=CountOptions,
+    damping=DampingOptions,
+    output=SweepOutput,
+)
+def sweep_command(
+    model: str,
+    grids: GridOptions,
+    robot: RobotOptions,
+    ground: GroundOptions,
+    count: CountOptions,
+    damping: DampingOptions,
+    output: SweepOutput,
+) -> None:
     """Simulate grids of gaits, and of robots, to their steady states.
 
     A GRID is START:STOP:COUNT with both ends, a list with commas, or one number; numbers may be
@@ -77,48 +114,40 @@ def sweep_command(**options: Any) -> None:
       rrrobot sweep --offset leg_1=0:pi:60 --offset leg_2=0:pi:60 --model pivoting --json
       rrrobot sweep --offset pi/4 --parameter leg_mass=0.03:0.09:25
     """
-    grids, parameters = build_grids(options)
-    folder = (
-        None if options["figures"] is None else folder_of(options["figures"], grids, parameters)
-    )
-    robot = build_robot(options)
-    model = _model(options["model"], robot, options)
-    run = {
-        "cycles": options["cycles"],
-        "counted": options["counted"],
-        "steps_per_cycle": options["steps"],
-        "threads": options["threads"],
-        "progress": False if options["quiet"] else None,
-    }
-    if options["loads"] and options["model"] == DECOUPLED:
+    axes, parameters = grids.build()
+    folder = None if output.figures is None else folder_of(output.figures, axes, parameters)
+    parts = Parts.of(robot, ground, damping)
+    swept = _model(model, parts)
+    run = count.settings(quiet=output.quiet)
+    if count.loads and model == DECOUPLED:
         raise ParameterError(
             "--loads is given with --model decoupled: models side by side have no common torques; "
             "choose one model, such as full."
         )
-    tell_of_compiling(quiet=options["quiet"], loads=options["loads"])
+    tell_of_compiling(quiet=output.quiet, loads=count.loads)
     started = time.perf_counter()
     ds = run_sweep(
-        model,
-        **grids,
+        swept,
+        **axes,
         parameters=parameters,
-        store=options["out"],
-        resume=options["resume"],
-        loads=options["loads"],
+        store=output.out,
+        resume=output.resume,
+        loads=count.loads,
         **run,
     )
     data = summary(ds, time.perf_counter() - started)
-    files = [] if options["out"] is None else [Path(options["out"])]
+    files = [] if output.out is None else [Path(output.out)]
     plane = ds.speed.squeeze().dims == ("offset", "phase_difference") and not parameters
-    if folder is not None and plane and options["paper"] and options["model"] == "full":
-        make = partial(_model, robot=robot, options=options)
-        files += write_figures(draw_paper(ds, make, grids, run), folder)
+    if folder is not None and plane and grids.paper and model == "full":
+        files += write_figures(draw_paper(ds, partial(_model, parts=parts), axes, run), folder)
     elif folder is not None:
         files += write_figures(draw(ds), folder)
-    tell(data, table(data), files, as_json=options["as_json"])
+    tell(data, table(data), files, as_json=output.as_json)
 
 
-def _model(name: str, robot: Robot, options: Options) -> Swept:
+def _model(name: str, parts: Parts) -> Model:
     if name != DECOUPLED:
-        return build_model(MODELS[name], options, robot)
-    parts = (build_model(kind, options, robot) for kind in (RollModel, PitchModel, YawModel))
-    return DecoupledModels(robot, *parts)  # type: ignore[arg-type]
+        return parts.model(MODELS[name])
+    return DecoupledModels(
+        parts.robot, parts.model(RollModel), parts.model(PitchModel), parts.model(YawModel)
+    )

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.cli.build import Options
-from rrrobot.cli.options import option_group
+from rrrobot.cli.options.group import Group, option
 from rrrobot.cli.types import parse_number
 from rrrobot.studies.sweeps.run import LARGEST
 
@@ -69,51 +68,62 @@ def parse_grid(text: str) -> float | Array:
 GRID = Grid()
 
 
-def _grid_option(name: str, help_text: str) -> Callable[[Any], Any]:
-    return click.option(
-        f"--{name}", type=GRID, multiple=True, metavar="[NAME=]GRID", help=help_text
+def _grid(name: str, help_text: str) -> Any:
+    return option(f"--{name}", type=GRID, multiple=True, metavar="[NAME=]GRID", help=help_text)
+
+
+Entries = tuple[tuple[str | None, float | Array], ...]
+
+
+@dataclass(frozen=True, kw_only=True)
+class GridOptions(Group):
+    """Grids of gaits and of robots."""
+
+    offset: Entries = _grid("offset", "Centre of the swing [rad]; pi/2 is up.")
+    phase_difference: Entries = _grid(
+        "phase-difference", "By which leg 2 leads leg 1 [rad]; pi/2 unless given."
     )
-
-
-grid_options = option_group(
-    _grid_option("offset", "Centre of the swing [rad]; pi/2 is up."),
-    _grid_option("phase-difference", "By which leg 2 leads leg 1 [rad]; pi/2 unless given."),
-    _grid_option("phase", "Of each leg instead [rad]."),
-    _grid_option("amplitude", "Of the swing [rad]; 0.3 unless given."),
-    _grid_option("frequency", "Angular, of all legs [rad/s]; 8 unless given."),
-    _grid_option("parameter", "RRRobot: as leg_mass=0.04:0.08:5 or shell_radius=0.1,0.12."),
-    click.option(
+    phase: Entries = _grid("phase", "Of each leg instead [rad].")
+    amplitude: Entries = _grid("amplitude", "Of the swing [rad]; 0.3 unless given.")
+    frequency: Entries = _grid("frequency", "Angular, of all legs [rad/s]; 8 unless given.")
+    parameter: Entries = _grid(
+        "parameter", "RRRobot: as leg_mass=0.04:0.08:5 or shell_radius=0.1,0.12."
+    )
+    paper: bool = option(
         "--paper",
         is_flag=True,
         help="The paper's plane: offsets 0 .. pi by phase differences 0 .. 2 pi, 40 by 40, "
         "amplitude 0.3, frequency 8. Grids that are given replace these.",
-    ),
-)
+    )
 
+    def build(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Grids and robot parameters as `sweep` takes them.
 
-def build_grids(options: Options) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Grids and robot parameters as `sweep` takes them.
-
-    Raises:
-        click.UsageError: a grid for one leg beside one for all, or one given twice.
-    """
-    entries = {name: list(options[name]) for name in _GRIDS}
-    if options["paper"]:
-        if options["phase"]:
-            raise click.UsageError("--phase does not go with --paper: it has phase differences.")
-        for name, text in _PLANE.items():
-            entries[name] = entries[name] or [(None, parse_grid(text))]
-    grids: dict[str, Any] = {}
-    for name, given in entries.items():
-        option, legs = f"--{name.replace('_', '-')}", [leg for leg, _ in given]
-        if len(set(legs)) != len(legs) or (None in legs and len(legs) > 1):
-            raise click.UsageError(f"{option}: give one grid for all legs, or one JOINT=GRID each.")
-        if given:
-            key = "angular_frequency" if name == "frequency" else name
-            grids[key] = dict(given) if legs[0] else given[0][1]
-    parameters: dict[str, Any] = {}
-    for name, grid in options["parameter"]:
-        if name is None or name in parameters:
-            raise click.UsageError("--parameter: write NAME=GRID, each NAME once.")
-        parameters[name] = np.atleast_1d(grid)
-    return grids, parameters
+        Raises:
+            click.UsageError: a grid for one leg beside one for all, or one given twice.
+        """
+        entries: dict[str, list[Any]] = {name: list(getattr(self, name)) for name in _GRIDS}
+        if self.paper:
+            if self.phase:
+                raise click.UsageError(
+                    "--phase does not go with --paper: it has phase differences."
+                )
+            for name, text in _PLANE.items():
+                entries[name] = entries[name] or [(None, parse_grid(text))]
+        grids: dict[str, Any] = {}
+        for name, given in entries.items():
+            legs = [leg for leg, _ in given]
+            if len(set(legs)) != len(legs) or (None in legs and len(legs) > 1):
+                raise click.UsageError(
+                    f"--{name.replace('_', '-')}: give one grid for all legs, or one JOINT=GRID "
+                    "each."
+                )
+            if given:
+                key = "angular_frequency" if name == "frequency" else name
+                grids[key] = dict(given) if legs[0] else given[0][1]
+        parameters: dict[str, Any] = {}
+        for label, grid in self.parameter:
+            if label is None or label in parameters:
+                raise click.UsageError("--parameter: write NAME=GRID, each NAME once.")
+            parameters[label] = np.atleast_1d(grid)
+        return grids, parameters

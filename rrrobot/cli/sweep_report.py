@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from rrrobot.cli.build import DECOUPLED, Options
+from rrrobot.cli.options.robot import DECOUPLED
 from rrrobot.cli.report import aligned
 from rrrobot.files import make_folder
 from rrrobot.studies.sweeps.run import sweep as run_sweep
@@ -120,7 +120,7 @@ def draw(ds: xr.Dataset) -> dict[str, Any]:
 
 
 def draw_paper(
-    full: xr.Dataset, make: Callable[[str], Any], grids: Options, run: Options
+    full: xr.Dataset, make: Callable[[str], Any], grids: dict[str, Any], run: dict[str, Any]
 ) -> dict[str, Any]:
     """The paper's figures by file name, with sweeps of the single-axis models.
 

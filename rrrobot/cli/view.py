@@ -8,12 +8,13 @@ from typing import Any
 import click
 
 from rrrobot.checks import finite
-from rrrobot.cli.build import progress_bar
-from rrrobot.cli.options import GAITS
+from rrrobot.cli.options.drive import GAITS, GaitName
+from rrrobot.cli.progress import progress_bar
 from rrrobot.cli.report import to_json
 from rrrobot.cli.simulate import checked_file
 from rrrobot.cli.types import NUMBER
 from rrrobot.drive.gaits import gait as named_gait
+from rrrobot.drive.tables import read_gait
 from rrrobot.errors import MissingExtraError
 from rrrobot.models.full import FullModel
 from rrrobot.robot.examples import example_robots
@@ -26,10 +27,11 @@ from rrrobot.simulation.trajectory import Trajectory
 @click.argument("file", required=False, metavar="[FILE.npz]")
 @click.option(
     "--gait",
-    type=click.Choice(GAITS),
+    type=GaitName(*GAITS),
+    metavar="|".join((*GAITS, "FILE")),
     default="lateral",
     show_default=True,
-    help="Of RRRobot, where no file is given.",
+    help="Of RRRobot, where no trajectory is given; a FILE of a gait is .json or .csv.",
 )
 @click.option("--duration", type=NUMBER, default="10", show_default=True, help="Of it [s].")
 @click.option(
@@ -66,7 +68,8 @@ def view(
         finite("duration", duration, "s", above=0)
         model = FullModel(Robot.from_parameters())
         with progress_bar(duration, quiet=quiet) as progress:
-            trajectory = simulate(model, named_gait(gait), duration, progress=progress)
+            legs = named_gait(gait) if gait in GAITS else read_gait(gait)
+            trajectory = simulate(model, legs, duration, progress=progress)
     if target is not None:
         from rrrobot.view.viewer import record
 

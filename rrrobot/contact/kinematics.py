@@ -35,7 +35,8 @@ def contact_velocity(surface: Surface, rotation: Array, omega_world: Array, norm
     Example:
         >>> import numpy as np, rrrobot as rr
         >>> up = np.array([0.0, 0.0, 1.0])
-        >>> forward = rr.contact_velocity(rr.Sphere(0.12), np.eye(3), np.array([0, 2.0, 0]), up)
+        >>> spin = np.array([0.0, 2.0, 0.0])
+        >>> forward = rr.contact.contact_velocity(rr.Sphere(0.12), np.eye(3), spin, up)
         >>> forward.round(3).tolist()
         [0.24, 0.0, 0.0]
     """
@@ -53,7 +54,7 @@ def sphere_contact_rate(radius: float, euler: ArrayLike, euler_rates: ArrayLike)
 
     Example:
         >>> import rrrobot as rr
-        >>> rr.sphere_contact_rate(0.12, (0, 0, 0), (1.0, 0, 0)).tolist()
+        >>> rr.contact.sphere_contact_rate(0.12, (0, 0, 0), (1.0, 0, 0)).tolist()
         [0.0, -0.12]
     """
     _, pitch, yaw = np.moveaxis(np.asarray(euler, dtype=float), -1, 0)
@@ -90,7 +91,7 @@ def contact_path(
         >>> import numpy as np, rrrobot as rr
         >>> time = np.linspace(0, 1, 11)
         >>> turn = np.column_stack((0 * time, time, 0 * time))
-        >>> rr.contact_path(0.12, time, turn)[-1].round(6).tolist()
+        >>> rr.contact.contact_path(0.12, time, turn)[-1].round(6).tolist()
         [0.12, 0.0]
     """
     radius = finite("radius", radius, "m", above=0)

@@ -32,7 +32,8 @@ class PID(TorqueLaw):
 
     Example:
         >>> import rrrobot as rr
-        >>> motors = rr.LegTorques(rr.PID((1.5, 1.5), kp=2.0, ki=4.0, kd=0.1), angle=(1.2, 1.8))
+        >>> law = rr.drive.PID((1.5, 1.5), kp=2.0, ki=4.0, kd=0.1)
+        >>> motors = rr.LegTorques(law, angle=(1.2, 1.8))
         >>> t = rr.simulate(rr.FullModel(rr.Robot.from_parameters()), motors, duration=3.0)
         >>> bool(abs(t.leg_angle[-1] - 1.5).max() < 0.1)
         True
@@ -111,7 +112,8 @@ class Delayed(TorqueLaw):
 
     Example:
         >>> import rrrobot as rr
-        >>> law = rr.Delayed(rr.PID((1.5, 1.5), kp=0.5, kd=0.05, sample_time=0.01), delay=0.025)
+        >>> pid = rr.drive.PID((1.5, 1.5), kp=0.5, kd=0.05, sample_time=0.01)
+        >>> law = rr.drive.Delayed(pid, delay=0.025)
         >>> [clock.offset for clock in law.clocks]
         [0.0, 0.025]
     """
@@ -186,9 +188,9 @@ class RandomTorques(TorqueLaw):
 
     Example:
         >>> import rrrobot as rr
-        >>> push = rr.RandomTorques(0.01, sample_time=0.02, seed=3)
-        >>> motors = rr.LegTorques(rr.SumOfLaws(rr.PID((1.5, 1.5), kp=0.5, kd=0.05), push),
-        ...                        angle=(1.5, 1.5))
+        >>> push = rr.drive.RandomTorques(0.01, sample_time=0.02, seed=3)
+        >>> pid = rr.drive.PID((1.5, 1.5), kp=0.5, kd=0.05)
+        >>> motors = rr.LegTorques(rr.drive.SumOfLaws(pid, push), angle=(1.5, 1.5))
         >>> motors.name
         'SumOfLaws'
     """
@@ -236,8 +238,8 @@ class SumOfLaws(TorqueLaw):
 
     Example:
         >>> import rrrobot as rr
-        >>> both = rr.SumOfLaws(rr.PID(1.5, kp=0.5, kd=0.05, sample_time=0.01),
-        ...                     rr.RandomTorques(0.01, sample_time=0.02, seed=3))
+        >>> both = rr.drive.SumOfLaws(rr.drive.PID(1.5, kp=0.5, kd=0.05, sample_time=0.01),
+        ...                     rr.drive.RandomTorques(0.01, sample_time=0.02, seed=3))
         >>> [clock.period for clock in both.clocks]
         [0.01, 0.02]
     """

@@ -8,12 +8,13 @@ dynamics exact; a gait of your own is checked against finite differences.
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rrrobot import serial
 from rrrobot.checks import Array, finite, vector
 from rrrobot.errors import GaitError
 
@@ -60,6 +61,7 @@ def _leg_count(n_legs: object) -> int:
     return int(n_legs)
 
 
+@serial.register("sinusoidal")
 class SinusoidalGait(Gait):
     """phi_k(t) = offset_k + amplitude_k sin(omega_k t + phase_k).
 
@@ -127,6 +129,7 @@ class SinusoidalGait(Gait):
         )
 
 
+@serial.register("fourier")
 class FourierGait(Gait):
     """phi_k(t) = offset_k + sum over j of cosine_jk cos(j omega t) + sine_jk sin(j omega t).
 
@@ -204,6 +207,7 @@ class FourierGait(Gait):
         }
 
 
+@serial.register("still")
 class StillLegs(Gait):
     """Legs held at fixed angles: phi(t) = angle.
 
@@ -224,6 +228,7 @@ class StillLegs(Gait):
         return {"type": "still", "angle": self.angle.tolist()}
 
 
+@serial.register("ramp_in")
 class RampIn(Gait):
     """Start from rest and blend into a gait: phi = phi_g(0) + s(t / T) (phi_g(t) - phi_g(0)).
 
@@ -265,6 +270,12 @@ class RampIn(Gait):
 
     def to_dict(self) -> dict[str, Any]:
         return {"type": "ramp_in", "duration": self.duration, "gait": self.gait.to_dict()}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> RampIn:
+        """The gait of `to_dict`'s entries."""
+        gait: Gait = serial.from_dict(data["gait"], Gait, "gait")  # type: ignore[type-abstract]
+        return cls(gait, data["duration"])
 
 
 class CallableGait(Gait):

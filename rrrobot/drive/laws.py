@@ -35,7 +35,7 @@ class MotionState:
 
     Example:
         >>> import rrrobot as rr
-        >>> def hold(state: rr.MotionState):
+        >>> def hold(state: rr.drive.MotionState):
         ...     return -0.5 * (state.leg_angle - 1.57) - 0.02 * state.leg_rate
         >>> rr.LegTorques(hold, angle=(1.4, 1.7), feedback=True).name
         'hold'
@@ -95,9 +95,9 @@ class TorqueLaw(ABC):
 
     Example:
         >>> import numpy as np, rrrobot as rr
-        >>> class Smooth(rr.TorqueLaw):  # a motor with a lag of 50 ms
+        >>> class Smooth(rr.drive.TorqueLaw):  # a motor with a lag of 50 ms
         ...     def initial_memory(self, n_legs):
-        ...         return rr.Memory(continuous=np.zeros(n_legs))
+        ...         return rr.drive.Memory(continuous=np.zeros(n_legs))
         ...     def memory_rate(self, state, memory):
         ...         return (-0.5 * (state.leg_angle - 1.5) - memory.continuous) / 0.05
         ...     def torque(self, state, memory):

@@ -112,7 +112,7 @@ class LegMoves(Gait):
 
     Example:
         >>> import rrrobot as rr
-        >>> gait = rr.one_leg_gait((1.2, 1.5), leg=1, target=2.0)
+        >>> gait = rr.drive.one_leg_gait((1.2, 1.5), leg=1, target=2.0)
         >>> gait(gait.duration).angle.tolist()
         [1.2, 2.0]
     """
@@ -174,8 +174,8 @@ def one_leg_gait(start: ArrayLike, *, leg: int, target: float, max_rate: float =
 
     Example:
         >>> import rrrobot as rr
-        >>> gait = rr.one_leg_gait((1.2, 1.5), leg=0, target=2.0)
-        >>> round(rr.net_yaw(rr.Robot.from_parameters(), gait), 4)
+        >>> gait = rr.drive.one_leg_gait((1.2, 1.5), leg=0, target=2.0)
+        >>> round(rr.reduction.net_yaw(rr.Robot.from_parameters(), gait), 4)
         0.1664
     """
     first = vector("start", start, np.size(start), "rad", error=GaitError)
@@ -214,8 +214,8 @@ def out_of_phase_gait(
 
     Example:
         >>> import numpy as np, rrrobot as rr
-        >>> A = rr.out_of_phase_gait(offset=5 * np.pi / 8 + 0.15)
-        >>> round(rr.net_yaw(rr.Robot.from_parameters(), A), 8)
+        >>> A = rr.drive.out_of_phase_gait(offset=5 * np.pi / 8 + 0.15)
+        >>> round(rr.reduction.net_yaw(rr.Robot.from_parameters(), A), 8)
         -0.01299623
     """
     return SinusoidalGait(

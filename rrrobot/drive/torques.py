@@ -89,7 +89,7 @@ class LegTorques:
                 self.law = Function(torque, feedback)
             else:
                 self.law = Held(torque, feedback, sample_time)
-            self.name = name or getattr(torque, "__name__", type(torque).__name__)
+            self.name = name or str(getattr(torque, "__name__", type(torque).__name__))
         elif feedback or sample_time is not None:
             asked = "feedback=True" if feedback else "sample_time"
             raise GaitError(f"torque is a constant, but {asked} needs a function of the state")

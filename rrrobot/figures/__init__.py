@@ -1,1 +1,5 @@
-"""Plots: of one trajectory, and the figures and tables of the paper. Matplotlib loads on use."""
+"""Plots of any result: data in, axes out."""
+
+from rrrobot.lazy import face
+
+__getattr__, __dir__, __all__ = face(__name__, __file__)

@@ -24,7 +24,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rrrobot.checks import Array, vector
+from rrrobot.checks import Array
 from rrrobot.constraints import Constraint, Instant, PrescribedJoints, RollingContact
 from rrrobot.contact.ground import Ground, Plane, ground_from_dict
 from rrrobot.drive.damping import (
@@ -36,6 +36,7 @@ from rrrobot.drive.damping import (
 )
 from rrrobot.drive.gaits import LegMotion
 from rrrobot.errors import ConstraintError, GaitError, ModelError, ParameterError
+from rrrobot.inline import shows
 from rrrobot.integrate import MAX_STEP
 from rrrobot.kkt import kkt_build, kkt_solve
 from rrrobot.models.terms import Dynamics, Equations, Placement
@@ -304,20 +305,6 @@ class Model(ABC):
                 f"{self.n_legs}: {', '.join(self.robot.legs) or 'none'}. Give one entry for each."
             )
 
-    def start_velocity(
-        self, start: str | ArrayLike, pose: Array, leg_angle: Array, leg_rate: Array
-    ) -> Array:
-        """Quasi-velocities of a start: "impulsive", "rest", or Euler rates (3,) [rad/s]."""
-        if isinstance(start, str):
-            if start == "impulsive":
-                return self.impulsive_start(pose, leg_angle, leg_rate)
-            if start == "rest":
-                return np.zeros(self.n_quasi)
-            raise ModelError(f"start is {start!r}: it must be 'impulsive', 'rest' or Euler rates.")
-        rates = vector("start", start, 3, "rad/s", labels=("roll", "pitch", "yaw"))
-        self.require_free("start", rates)
-        return self.quasi_from_euler_rates(pose, rates)
-
     @property
     def singular_at_vertical(self) -> bool:
         """Whether the equations are singular at a pitch of +-90 degrees."""
@@ -327,10 +314,9 @@ class Model(ABC):
         """Raise ModelError where a value is not zero on an axis that this model locks."""
         locked = [i for i in range(3) if i not in self.axes and values[i] != 0]
         if locked:
-            names = ("roll", "pitch", "yaw")
             raise ModelError(
                 f"{name} is {values.tolist()} (roll, pitch, yaw): the {self.name} model locks "
-                f"{', '.join(names[i] for i in locked)}, so that entry must be zero."
+                f"{', '.join(('roll', 'pitch', 'yaw')[i] for i in locked)}: zero is needed there."
             )
 
     def remade(self, robot: Robot) -> Model:
@@ -351,11 +337,11 @@ class Model(ABC):
         ground, damping = ground_from_dict(data["ground"]), damping_from_dict(data["damping"])
         return cls(data["robot"], ground=ground, damping=damping)  # type: ignore[call-arg]
 
+    _repr_html_ = shows("robot", "ground", "damping")
+
     def __repr__(self) -> str:
-        level = isinstance(self.ground, Plane) and self.ground == Plane()
-        ground = "" if level else f", ground={self.ground!r}"
+        ground = "" if self.ground == Plane() else f", ground={self.ground!r}"
         return f"{type(self).__name__}({self.robot!r}{ground}, damping={self.damping!r})"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        make = partial(type(self), ground=self.ground, damping=self.damping)
-        return (make, (self.robot,))
+        return partial(type(self), ground=self.ground, damping=self.damping), (self.robot,)

@@ -56,7 +56,7 @@ class DecoupledModels(Model):
 
     Example:
         >>> import numpy as np, rrrobot as rr
-        >>> models = rr.DecoupledModels(rr.Robot.from_parameters())
+        >>> models = rr.models.DecoupledModels(rr.Robot.from_parameters())
         >>> round(float(rr.sweep(models, offset=np.pi / 4).yaw_rate), 5)
         0.01355
     """

@@ -43,7 +43,8 @@ class Mode:
 
     Example:
         >>> import numpy as np, rrrobot as rr
-        >>> (mode,) = rr.modes(rr.PitchModel(rr.Robot.from_parameters()), (np.pi / 2, np.pi / 2))
+        >>> model = rr.PitchModel(rr.Robot.from_parameters())
+        >>> (mode,) = rr.orbits.modes(model, (np.pi / 2, np.pi / 2))
         >>> round(mode.period, 4), round(mode.decay_rate, 4)
         (1.0814, 0.7098)
     """
@@ -77,7 +78,7 @@ def equilibrium(model: Model, leg_angle: ArrayLike, euler: ArrayLike = (0.0, 0.0
     Example:
         >>> import numpy as np, rrrobot as rr
         >>> model = rr.PitchModel(rr.Robot.from_parameters())
-        >>> round(rr.equilibrium(model, (np.pi / 4, np.pi / 4))[0], 5)
+        >>> round(rr.orbits.equilibrium(model, (np.pi / 4, np.pi / 4))[0], 5)
         np.float64(0.28089)
     """
     legs = _held(model, leg_angle)
@@ -123,7 +124,8 @@ def modes(model: Model, leg_angle: ArrayLike, euler: ArrayLike = (0.0, 0.0, 0.0)
     Example:
         >>> import numpy as np, rrrobot as rr
         >>> model = rr.FullModel(rr.Robot.from_parameters(), damping=None)
-        >>> [(m.axis, round(m.period, 5)) for m in rr.modes(model, (np.pi / 2, np.pi / 2))][:2]
+        >>> found = rr.orbits.modes(model, (np.pi / 2, np.pi / 2))
+        >>> [(m.axis, round(m.period, 5)) for m in found][:2]
         [('roll', 1.29251), ('pitch', 1.07346)]
     """
     legs = _held(model, leg_angle)
@@ -161,7 +163,7 @@ def measured_period(trajectory: Trajectory, axis: str, *, about: float = 0.0) ->
         >>> model = rr.FullModel(rr.Robot.from_parameters(), damping=None)
         >>> legs = rr.StillLegs((np.pi / 2, np.pi / 2))
         >>> t = rr.simulate(model, legs, 10.0, euler=(0, 0.01, 0), start="rest")
-        >>> round(rr.measured_period(t, "pitch"), 4)
+        >>> round(rr.orbits.measured_period(t, "pitch"), 4)
         1.0735
     """
     from scipy.interpolate import PPoly, make_interp_spline
@@ -222,7 +224,7 @@ def table_3(robot: Robot | None = None, *, amplitude: float = 0.005) -> list[Per
 
     Example:
         >>> import rrrobot as rr
-        >>> [round(row.linear, 2) for row in rr.table_3()]
+        >>> [round(row.linear, 2) for row in rr.orbits.table_3()]
         [1.29, 1.07, 1.19, 0.95]
     """
     robot = robot or Robot.from_parameters()

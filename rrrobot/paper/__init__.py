@@ -1,5 +1,5 @@
-"""What is the paper's alone: tables, figures, claims, errata."""
+"""What is the paper's alone: tables, figures, claims, errata, closed forms."""
 
-from rrrobot.paper.equations import PaperEquations, paper_equations
+from rrrobot.lazy import face
 
-__all__ = ["PaperEquations", "paper_equations"]
+__getattr__, __dir__, __all__ = face(__name__, __file__)

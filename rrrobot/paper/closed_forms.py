@@ -35,7 +35,7 @@ def yaw_mass_matrix(parameters: RRRobotParameters, leg_angle: ArrayLike) -> Arra
 
     Example:
         >>> import numpy as np, rrrobot as rr
-        >>> M = rr.yaw_mass_matrix(rr.RRRobotParameters(), (np.pi / 2, np.pi / 2))
+        >>> M = rr.paper.yaw_mass_matrix(rr.RRRobotParameters(), (np.pi / 2, np.pi / 2))
         >>> M.round(6).tolist()[0]
         [0.003168, -0.000684, 0.000684]
     """
@@ -61,7 +61,7 @@ def rolling_pendulum_period(radius: float, mass_distance: float, gravity: float 
 
     Example:
         >>> import rrrobot as rr
-        >>> round(rr.rolling_pendulum_period(0.12, 0.06), 4)
+        >>> round(rr.paper.rolling_pendulum_period(0.12, 0.06), 4)
         0.4914
     """
     r = finite("radius", radius, "m", above=0)
@@ -77,7 +77,7 @@ def simple_pendulum_period(length: float, gravity: float = 9.81) -> float:
 
     Example:
         >>> import rrrobot as rr
-        >>> round(rr.simple_pendulum_period(0.12), 4)
+        >>> round(rr.paper.simple_pendulum_period(0.12), 4)
         0.6949
     """
     rho = finite("length", length, "m", above=0)
@@ -98,7 +98,7 @@ def composite_period(inertia: float, stiffness: float, damping: float = 0.0) -> 
 
     Example:
         >>> import rrrobot as rr
-        >>> round(rr.composite_period(0.007044, 0.241326), 5)
+        >>> round(rr.paper.composite_period(0.007044, 0.241326), 5)
         1.07346
     """
     i = finite("inertia", inertia, "kg m^2", above=0)
@@ -123,7 +123,7 @@ def static_pitch(parameters: RRRobotParameters, leg_angle: ArrayLike) -> float:
 
     Example:
         >>> import numpy as np, rrrobot as rr
-        >>> round(rr.static_pitch(rr.RRRobotParameters(), (np.pi / 4, np.pi / 4)), 5)
+        >>> round(rr.paper.static_pitch(rr.RRRobotParameters(), (np.pi / 4, np.pi / 4)), 5)
         0.28089
     """
     phi = vector("leg_angle", leg_angle, 2, "rad")
@@ -169,7 +169,7 @@ def pitch_response(
 
     Example:
         >>> import numpy as np, rrrobot as rr
-        >>> H = rr.pitch_response(rr.RRRobotParameters(), (np.pi / 2, np.pi / 2), 8.0)
+        >>> H = rr.paper.pitch_response(rr.RRRobotParameters(), (np.pi / 2, np.pi / 2), 8.0)
         >>> abs(H[0] * 0.3 + H[1] * 0.3 * np.exp(0.5j * np.pi)).round(4)
         np.float64(0.2576)
     """

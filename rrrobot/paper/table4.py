@@ -55,7 +55,8 @@ class Table4:
 
     Example:
         >>> import rrrobot as rr
-        >>> table = rr.table_4(rr.Robot.from_parameters(), offsets=[1.2], phase_differences=[1.57])
+        >>> robot = rr.Robot.from_parameters()
+        >>> table = rr.paper.table_4(robot, offsets=[1.2], phase_differences=[1.57])
         >>> round(table.spread("pivoting", "speed").median, 2)
         1.08
     """
@@ -140,7 +141,7 @@ def table_4(
 
     Example:
         >>> import numpy as np, rrrobot as rr
-        >>> table = rr.table_4(rr.Robot.from_parameters(), offsets=[np.pi / 2],
+        >>> table = rr.paper.table_4(rr.Robot.from_parameters(), offsets=[np.pi / 2],
         ...                    phase_differences=[np.pi / 2])
         >>> table.ratio("pivoting", "speed").round(2).tolist()
         [[1.01]]

@@ -46,7 +46,7 @@ class Reducibility:
 
     Example:
         >>> import rrrobot as rr
-        >>> verdict = rr.reducibility(rr.YawModel(rr.Robot.from_parameters()))
+        >>> verdict = rr.reduction.reducibility(rr.YawModel(rr.Robot.from_parameters()))
         >>> verdict.model, verdict.reducible
         ('yaw', True)
     """
@@ -84,9 +84,9 @@ def reducibility(
     Example:
         >>> import rrrobot as rr
         >>> robot = rr.Robot.from_parameters()
-        >>> rr.reducibility(rr.YawModel(robot)).reducible
+        >>> rr.reduction.reducibility(rr.YawModel(robot)).reducible
         True
-        >>> rr.reducibility(rr.PitchModel(robot, damping=None)).reasons[0]
+        >>> rr.reduction.reducibility(rr.PitchModel(robot, damping=None)).reasons[0]
         'gravity moves the body while the legs are still (up to 30 rad/s^2)'
     """
     if isinstance(samples, bool) or not isinstance(samples, int) or samples < 1:
@@ -163,7 +163,7 @@ class Controllability:
 
     Example:
         >>> import rrrobot as rr
-        >>> rr.controllability(rr.Robot.from_parameters(), (0.8, 0.8)).rank
+        >>> rr.reduction.controllability(rr.Robot.from_parameters(), (0.8, 0.8)).rank
         3
     """
 
@@ -193,7 +193,7 @@ def controllability(
     Example:
         >>> import numpy as np, rrrobot as rr
         >>> robot = rr.Robot.from_parameters()
-        >>> [rr.controllability(robot, phi).order
+        >>> [rr.reduction.controllability(robot, phi).order
         ...  for phi in ((0.8, 0.8), (np.pi / 2, np.pi / 2), (0, 0), (0, np.pi))]
         [2, 3, 4, 6]
     """
@@ -239,7 +239,7 @@ def path_controllability(
     Example:
         >>> import numpy as np, rrrobot as rr
         >>> path = np.column_stack((np.linspace(0.5, 2.5, 5), np.full(5, np.pi / 2)))
-        >>> [c.order for c in rr.path_controllability(rr.Robot.from_parameters(), path)]
+        >>> [c.order for c in rr.reduction.path_controllability(rr.Robot.from_parameters(), path)]
         [2, 2, 2, 2, 2]
     """
     connection = as_connection(source)

@@ -49,7 +49,7 @@ class Connection:
 
     Example:
         >>> import numpy as np, rrrobot as rr
-        >>> A = rr.Connection(rr.Robot.from_parameters())
+        >>> A = rr.reduction.Connection(rr.Robot.from_parameters())
         >>> A((np.pi / 2, np.pi / 2)).round(4).tolist()
         [-0.2159, 0.2159]
     """
@@ -113,7 +113,7 @@ class Connection:
 
         Example:
             >>> import numpy as np, rrrobot as rr
-            >>> A = rr.Connection(rr.Robot.from_parameters())
+            >>> A = rr.reduction.Connection(rr.Robot.from_parameters())
             >>> A.height(np.array([(0.8, 0.8), (np.pi / 2, np.pi / 2)])).round(5) + 0.0
             array([-0.04037,  0.     ])
         """
@@ -226,7 +226,7 @@ def rotation_connection(robot: Robot, leg_angle: ArrayLike) -> Array:
     Example:
         >>> import numpy as np, rrrobot as rr
         >>> up = (np.pi / 2, np.pi / 2)
-        >>> rr.rotation_connection(rr.Robot.from_parameters(), up).round(3) + 0.0
+        >>> rr.reduction.rotation_connection(rr.Robot.from_parameters(), up).round(3) + 0.0
         array([[ 0.   ,  0.   ],
                [-0.104, -0.104],
                [-0.216,  0.216]])

@@ -39,7 +39,8 @@ class OptimalCycle:
 
     Example:
         >>> import rrrobot as rr
-        >>> best = rr.optimal_cycle(rr.Robot.from_parameters(), limits=(0.3, 1.5), harmonics=4)
+        >>> robot = rr.Robot.from_parameters()
+        >>> best = rr.reduction.optimal_cycle(robot, limits=(0.3, 1.5), harmonics=4)
         >>> best.goal, best.pair, best.gait.period == rr.gait("lateral").period
         ('cycle', (0, 1), True)
     """
@@ -91,7 +92,8 @@ def optimal_cycle(
 
     Example:
         >>> import rrrobot as rr
-        >>> best = rr.optimal_cycle(rr.Robot.from_parameters(), limits=(0.3, 1.5), harmonics=4)
+        >>> robot = rr.Robot.from_parameters()
+        >>> best = rr.reduction.optimal_cycle(robot, limits=(0.3, 1.5), harmonics=4)
         >>> bool(0.8 < best.net_yaw / best.region_yaw <= 1)
         True
     """

@@ -36,7 +36,7 @@ def height_grid(
 
     Example:
         >>> import rrrobot as rr
-        >>> first, second, H = rr.height_grid(rr.Robot.from_parameters(), resolution=5)
+        >>> first, second, H = rr.reduction.height_grid(rr.Robot.from_parameters(), resolution=5)
         >>> H.shape
         (5, 5)
     """
@@ -75,7 +75,7 @@ def zero_set(
     Example:
         >>> import numpy as np, rrrobot as rr
         >>> robot = rr.Robot.from_parameters()
-        >>> line, = rr.zero_set(robot, limits=(1.0, 2.0), resolution=12)
+        >>> line, = rr.reduction.zero_set(robot, limits=(1.0, 2.0), resolution=12)
         >>> bool(abs(line.sum(axis=1) - np.pi).max() < 1e-12)
         True
     """

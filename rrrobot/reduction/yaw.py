@@ -60,7 +60,8 @@ def net_yaw(
         >>> import numpy as np, rrrobot as rr
         >>> robot = rr.Robot.from_parameters()
         >>> gait = rr.gait("circular")
-        >>> [round(rr.net_yaw(robot, gait, method=m), 6) for m in ("line", "area", "simulate")]
+        >>> methods = ("line", "area", "simulate")
+        >>> [round(rr.reduction.net_yaw(robot, gait, method=m), 6) for m in methods]
         [0.010644, 0.010644, 0.010644]
     """
     connection = as_connection(source)

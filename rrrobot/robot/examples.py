@@ -13,7 +13,7 @@ def example_robots() -> tuple[str, ...]:
 
     Example:
         >>> import rrrobot as rr
-        >>> "solo12" in rr.example_robots()
+        >>> "solo12" in rr.robot.example_robots()
         True
     """
     return tuple(sorted(n for n, loader in _example_loaders().items() if loader.urdf_filename))

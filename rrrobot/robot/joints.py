@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.errors import UrdfError
@@ -42,6 +43,12 @@ class JointIndex:
         q[self._q[self._plain]] = angles[self._plain]
         q[self._q[self._wide]] = np.cos(angles[self._wide])
         q[self._q[self._wide] + 1] = np.sin(angles[self._wide])
+
+
+def sliding(model: pin.Model, names: Sequence[str]) -> NDArray[np.bool_]:
+    """Which of the named joints slide instead of turning (joints,)."""
+    kinds = [model.joints[model.getJointId(name)].shortname() for name in names]
+    return np.array([kind.startswith("JointModelP") for kind in kinds], dtype=bool)
 
 
 def build_model(

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike
 from rrrobot.checks import Array, finite, vector
 from rrrobot.contact.surfaces import SHELL_FRAME, Sphere, Surface, surface_from_dict
 from rrrobot.errors import ShellError, UrdfError
+from rrrobot.inline import html_table
 from rrrobot.robot.examples import example_urdf
 from rrrobot.robot.joints import build_model, check_masses, movable_joints
 from rrrobot.robot.parameters import RRRobotParameters
@@ -206,6 +207,15 @@ class Robot:
             parts["parameters"] = RRRobotParameters.from_dict(parts["parameters"])
         parts["package_dirs"] = tuple(parts["package_dirs"])
         return cls(**parts)
+
+    def _repr_html_(self) -> str:
+        rows = {
+            "mass": f"{self.mass:.6g} kg",
+            "legs": ", ".join(self.legs) or "none",
+            "shell": f"{self.shell!r} of {self.shell_link}",
+            "held still": ", ".join(f"{k} at {v:g}" for k, v in self.locked.items()) or "nothing",
+        }
+        return html_table(f"Robot {self.name}", rows)
 
     def __repr__(self) -> str:
         return (

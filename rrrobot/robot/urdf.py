@@ -122,7 +122,7 @@ def reduced_urdf(urdf: str, kind: ReducedKind, *, height: float = 0.0) -> str:
 
     Example:
         >>> import pinocchio as pin, rrrobot as rr
-        >>> yaw = rr.reduced_urdf(rr.rrrobot_urdf(), "yaw", height=0.12)
+        >>> yaw = rr.robot.reduced_urdf(rr.rrrobot_urdf(), "yaw", height=0.12)
         >>> list(pin.buildModelFromXML(yaw).names)
         ['universe', 'base_yaw', 'leg_1', 'leg_2']
     """

@@ -60,7 +60,8 @@ def trajectory_of(flow: Flow, found: Evolution, settings: dict[str, Any]) -> Tra
         "gait": drive.to_dict(),
         "period": drive.period,
         "has_contact": model.rolling is not None,
-        "integration": settings,
+        "integration": settings
+        | ({"continuous_memory": found.continuous} if isinstance(drive, LegTorques) else {}),
         "versions": versions(),
     }
     if model.name == "decoupled":
@@ -82,7 +83,7 @@ def trajectory_of(flow: Flow, found: Evolution, settings: dict[str, Any]) -> Tra
         state=states.copy(),
         memory=found.memory,
         events=found.events,
-        final_state=found.state,
+        end=found.state,
         metadata=metadata,
     )
 

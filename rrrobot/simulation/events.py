@@ -75,7 +75,7 @@ class Event:
         >>> t = rr.simulate(model, rr.StillLegs((1.57, 1.57)), 2.0, euler=(-0.1, 0, 0),
         ...                 start="rest", events=[upright])
         >>> [round(hit.time, 3) for hit in t.events]
-        [0.323, 1.616]
+        [0.324, 1.618]
     """
 
     function: Callable[[Snapshot], float]

@@ -6,8 +6,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -17,7 +18,7 @@ from rrrobot.checks import Array, finite, vector
 from rrrobot.drive.gaits import Gait
 from rrrobot.drive.laws import Memory, MotionState, TorqueLaw
 from rrrobot.drive.torques import LegTorques
-from rrrobot.errors import GaitError, ParameterError
+from rrrobot.errors import GaitError, ModelError, ParameterError
 from rrrobot.integrate import ATOL, RTOL, Integration, Progress, Stepping, Watch, integrate
 from rrrobot.models.base import Model
 from rrrobot.models.recombined import NEEDS_GAIT, DecoupledModels
@@ -150,7 +151,7 @@ class Flow:
                 what = f"{name} of the gait at t = {time:g} s"
                 vector(what, value, drive.n_legs, error=GaitError)
             rest = ()
-        quasi = model.start_velocity(start, pose, leg, rate)
+        quasi = _start_velocity(model, start, pose, leg, rate)
         y = np.concatenate((pose, quasi, *rest))
         return State(
             model=model.to_dict(), robot=model.robot, time=time, vector=y, euler=angles.copy()
@@ -234,13 +235,10 @@ class Flow:
         events: tuple[Event, ...],
         effort: Effort,
     ) -> tuple[Integration, Array | None, tuple[Hit, ...]]:
-        rate, y0 = self.rate, state.vector
+        rate: Callable[[float, Array], Array] = self.rate
+        y0 = state.vector
         if recall is not None:
-            y0 = recall.begin(state)
-
-            def rate(t: float, y: Array) -> Array:
-                return self._driven(t, y, recall)
-
+            y0, rate = recall.begin(state), partial(self._driven, recall)
         lookout = None
         if events:
             lookout = Lookout(events, lambda t, y: self.look(t, y, recall), self.size)
@@ -270,7 +268,7 @@ class Flow:
         rate[model.n_pose :] = model.quasi_rate(place, quasi, self.drive(time), time)  # type: ignore[operator]
         return rate
 
-    def _driven(self, time: float, y: Array, recall: Recall) -> Array:
+    def _driven(self, recall: Recall, time: float, y: Array) -> Array:
         """dy/dt under torques, and of the continuous memory."""
         model = self.model
         pose, quasi, rest = model.split(y[: self.size])
@@ -321,3 +319,18 @@ def seen_at(model: Model, time: float, place: Placement, quasi: Array, legs: Arr
     angle, rate = legs[: model.n_legs], legs[model.n_legs :]
     omega = model.body_velocity(place, quasi)
     return MotionState(time, place.rotation, omega, place.position, angle, rate)
+
+
+def _start_velocity(
+    model: Model, start: str | ArrayLike, pose: Array, leg_angle: Array, leg_rate: Array
+) -> Array:
+    """Quasi-velocities of a start: "impulsive", "rest", or Euler rates (3,) [rad/s]."""
+    if isinstance(start, str):
+        if start == "impulsive":
+            return model.impulsive_start(pose, leg_angle, leg_rate)
+        if start == "rest":
+            return np.zeros(model.n_quasi)
+        raise ModelError(f"start is {start!r}: it must be 'impulsive', 'rest' or Euler rates.")
+    rates = vector("start", start, 3, "rad/s", labels=("roll", "pitch", "yaw"))
+    model.require_free("start", rates)
+    return model.quasi_from_euler_rates(pose, rates)

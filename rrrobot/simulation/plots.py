@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.drawing import (
@@ -21,6 +22,7 @@ from rrrobot.drawing import (
     tidy,
 )
 from rrrobot.errors import ParameterError
+from rrrobot.robot.joints import sliding
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -151,15 +153,15 @@ def _force(trajectory: Trajectory, ax: Axes) -> None:
 
 
 def _legs(trajectory: Trajectory, ax: Axes) -> None:
-    sliding = _prismatic(trajectory)
-    scale = np.where(sliding, 1000.0, 180 / np.pi)
+    slides = sliding(trajectory.robot.model, trajectory.robot.legs)
+    scale = np.where(slides, 1000.0, 180 / np.pi)
     angle, torque = trajectory.leg_angle * scale, trajectory.leg_torque
     lower = ax.twinx()
     for i, name in enumerate(trajectory.robot.legs):
         ax.plot(trajectory.time, angle[:, i], label=name, **line(i))
         lower.plot(trajectory.time, torque[:, i], label=name, **line(i))
-    tidy(ax, _TIME, _units("leg angle [deg]", "leg position [mm]", "leg [deg, mm]", sliding))
-    tidy(lower, _TIME, _units("torque [N m]", "force [N]", "motor [N m, N]", sliding))
+    tidy(ax, _TIME, _units("leg angle [deg]", "leg position [mm]", "leg [deg, mm]", slides))
+    tidy(lower, _TIME, _units("torque [N m]", "force [N]", "motor [N m, N]", slides))
     lower.set_xlabel("")
     lower.grid(False)
     lower.spines["right"].set_visible(True)
@@ -220,17 +222,10 @@ def _last_cycles(trajectory: Trajectory) -> float:
     return end - LEG_CYCLES * trajectory.period
 
 
-def _prismatic(trajectory: Trajectory) -> Array:
-    """Which legs slide instead of turning (legs,)."""
-    model = trajectory.robot.model
-    kinds = [model.joints[model.getJointId(name)].shortname() for name in trajectory.robot.legs]
-    return np.array([kind.startswith("JointModelP") for kind in kinds], dtype=bool)
-
-
-def _units(turning: str, sliding: str, mixed: str, is_sliding: Array) -> str:
-    if not is_sliding.any():
+def _units(turning: str, slid: str, mixed: str, slides: NDArray[np.bool_]) -> str:
+    if not slides.any():
         return turning
-    return sliding if is_sliding.all() else mixed
+    return slid if slides.all() else mixed
 
 
 def _halve(ax: Axes, values: Array, *, upper: bool) -> None:

@@ -111,7 +111,7 @@ def _continued(state: Any, **others: ArrayLike) -> State:
             f"state is {type(state).__name__}: it must be a State, such as trajectory.final_state, "
             "or State.from_array(model, array, time=...)."
         )
-    usual = {"start": "impulsive", "euler": (0.0, 0.0, 0.0), "position": (0.0, 0.0)}
+    usual: dict[str, Any] = {"start": "impulsive", "euler": (0.0, 0.0, 0.0), "position": (0.0, 0.0)}
     given = [key for key, value in others.items() if not np.array_equal(value, usual[key])]
     if given:
         raise ParameterError(f"{', '.join(given)} would do nothing with state=: leave it out.")

@@ -20,6 +20,7 @@ import numpy as np
 
 from rrrobot.checks import Array, finite
 from rrrobot.errors import ParameterError
+from rrrobot.inline import html_table
 
 
 class Motion(Protocol):
@@ -103,6 +104,25 @@ class SteadyState:
         data = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in asdict(self).items()}
         return data | {"curvature": self.curvature if math.isfinite(self.curvature) else None}
 
+    def _repr_html_(self) -> str:
+        every = zip(("roll", "pitch", "yaw"), self.amplitude, self.phase, self.mean, strict=True)
+        rows = [
+            ("speed", f"{1000 * self.speed:.4f} mm/s"),
+            ("yaw rate", f"{np.rad2deg(self.yaw_rate) + 0.0:.4f} deg/s"),
+            ("curvature", f"{self.curvature + 0.0:.4g} 1/m"),
+            *(
+                (
+                    axis,
+                    f"amplitude {np.rad2deg(amplitude):.3f} deg, "
+                    f"phase {np.rad2deg(phase):.1f} deg, mean {np.rad2deg(mean) + 0.0:.3f} deg",
+                )
+                for axis, amplitude, phase, mean in every
+            ),
+            ("counted", f"{self.cycles} cycles of {self.period:.4g} s from {self.start:.4g} s"),
+            ("steps vary by", f"{100 * self.variation:.2g} %"),
+        ]
+        return html_table("Steady state", rows)
+
 
 def steady_state(
     trajectory: Motion, *, start: float | None = None, period: float | None = None
@@ -111,8 +131,8 @@ def steady_state(
 
     Args:
         trajectory: sampled at least 24 times per cycle.
-        start: counted cycles begin at the first multiple of the period from here on [s]; half
-            the duration by default.
+        start: counted cycles begin at the first multiple of the period from here on [s]; the
+            middle of the run by default.
         period: of a cycle [s]; the gait's by default.
 
     Raises:
@@ -129,7 +149,9 @@ def steady_state(
             "the gait has no period, so a steady state has no cycle: give period= in seconds."
         )
     period = finite("period", period, "s", above=0)
-    start = finite("start", duration / 2 if start is None else start, "s", at_least=0)
+    middle = 0.5 * float(time[0] + time[-1])
+    start = finite("start", middle if start is None else start, "s", at_least=0)
+    start = max(start, float(time[0]))
     # On a curved path the cycle mean depends on where in the gait a cycle begins (circular gait:
     # 2e-4 of the speed), so cycles begin at whole multiples of the period.
     start = period * math.ceil(start / period - 1e-9)

@@ -7,18 +7,25 @@ import json
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.contact.ground import Ground, ground_from_dict, normals
+from rrrobot.drive.laws import Memory
 from rrrobot.errors import ModelError, OutputError
 from rrrobot.files import write_whole
+from rrrobot.inline import html_table
 from rrrobot.robot.robot import Robot
+from rrrobot.simulation import export
 from rrrobot.simulation.events import Hit
 from rrrobot.simulation.state import State
 from rrrobot.simulation.steady import SteadyState, steady_state
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
 
 FORMAT = "rrrobot trajectory 2"
 
@@ -43,7 +50,8 @@ class Trajectory:
         state: the model's own state vector (n, ny).
         memory: what the drive remembers (n, k); k = 0 for one that does not.
         events: those that were found, in order of time.
-        final_state: the end, from which `simulate(..., state=)` goes on; None once loaded.
+        end: the end of the run, with what its drive hides and the engine's own variables; None
+            once it is loaded. Use `final_state`.
         robot: the robot.
         ground: what it rolls on; `position` is in its coordinates.
         metadata: model, gait or torques, integrator, versions; plain data.
@@ -74,7 +82,38 @@ class Trajectory:
     metadata: Mapping[str, Any] = field(default_factory=dict, repr=False)
     memory: Array = field(default_factory=lambda: np.empty((0, 0)), repr=False)
     events: tuple[Hit, ...] = field(default=(), repr=False)
-    final_state: State | None = field(default=None, repr=False)
+    end: State | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        if not self.memory.size:
+            object.__setattr__(self, "memory", np.empty((len(self.time), 0)))
+
+    @property
+    def final_state(self) -> State:
+        """The end, from which `simulate(..., state=)` goes on."""
+        return self.state_at(-1) if self.end is None else self.end
+
+    def state_at(self, sample: int) -> State:
+        """State at a sample, from which `simulate(..., state=)` goes on.
+
+        Example:
+            >>> import rrrobot as rr
+            >>> model = rr.FullModel(rr.Robot.from_parameters())
+            >>> t = rr.simulate(model, rr.gait("lateral"), duration=2.0)
+            >>> t.state_at(50)
+            State(full model of rrrobot at 0.5 s)
+        """
+        cut = self.metadata.get("integration", {}).get("continuous_memory")
+        row = self.memory[sample].copy()
+        return State(
+            model=dict(self.metadata["model"]),
+            robot=self.robot,
+            time=float(self.time[sample]),
+            vector=self.state[sample].copy(),
+            euler=self.euler[sample].copy(),
+            memory=None if cut is None else Memory(row[:cut], row[cut:]),
+            drive=self.metadata.get("gait"),
+        )
 
     @property
     def model_name(self) -> str:
@@ -190,6 +229,30 @@ class Trajectory:
         np.savez_compressed(buffer, header=np.array(text), **arrays)
         return write_whole(target, buffer.getvalue())
 
+    def to_dataset(self) -> xr.Dataset:
+        """An xarray.Dataset with units, frames and descriptions; see `simulation.export`."""
+        return export.to_dataset(self)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """A pandas.DataFrame over the time [s]; `attrs["units"]` has each column's unit."""
+        return export.to_pandas(self)
+
+    def to_csv(self, path: str | Path) -> Path:
+        """Write the columns of `to_pandas`, headed "name [unit]", to a .csv file.
+
+        Raises:
+            OutputError: the file cannot be written, or its name does not end in .csv.
+        """
+        return export.to_csv(self, path)
+
+    def to_mat(self, path: str | Path) -> Path:
+        """Write every array, with structs of units and descriptions, to a MATLAB .mat file.
+
+        Raises:
+            OutputError: the file cannot be written, or its name does not end in .mat.
+        """
+        return export.to_mat(self, path)
+
     @classmethod
     def load(cls, path: str | Path) -> Trajectory:
         """Read what `save` wrote.
@@ -217,6 +280,9 @@ class Trajectory:
                 f"{str(path)!r} is not a trajectory that rrrobot saved: {reason}."
             ) from error
 
+    def _repr_html_(self) -> str:
+        return html_table(repr(self), {}, figure=self.plot("all"))
+
     def __len__(self) -> int:
         return len(self.time)
 
@@ -233,7 +299,7 @@ class Trajectory:
         return f"Trajectory({', '.join(parts)})"
 
 
-_OTHERS = ("robot", "ground", "metadata", "events", "final_state")
+_OTHERS = ("robot", "ground", "metadata", "events", "end")
 _ARRAYS = tuple(f.name for f in fields(Trajectory) if f.name not in _OTHERS)
 
 

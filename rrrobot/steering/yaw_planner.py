@@ -33,7 +33,8 @@ class YawPlan:
 
     Example:
         >>> import rrrobot as rr
-        >>> plan = rr.plan_yaw(rr.Robot.from_parameters(), (0.0, 1.2, 1.6), (0.3, 1.8, 1.0))
+        >>> robot = rr.Robot.from_parameters()
+        >>> plan = rr.steering.plan_yaw(robot, (0.0, 1.2, 1.6), (0.3, 1.8, 1.0))
         >>> round(plan.cycles * plan.cycle_yaw + plan.straight_yaw, 9)
         0.3
     """
@@ -122,7 +123,7 @@ def plan_yaw(
     Example:
         >>> import rrrobot as rr
         >>> robot = rr.Robot.from_parameters()
-        >>> plan = rr.plan_yaw(robot, (0.0, 1.2, 1.6), (0.3, 1.8, 1.0), limits=(0.4, 2.7))
+        >>> plan = rr.steering.plan_yaw(robot, (0.0, 1.2, 1.6), (0.3, 1.8, 1.0), limits=(0.4, 2.7))
         >>> t = rr.simulate(rr.YawModel(robot), plan.gait, plan.duration, sample_interval=1.0)
         >>> bool(abs(t.euler[-1, 2] - 0.3) < 1e-6), t.leg_angle[-1].round(9).tolist()
         (True, [1.8, 1.0])

@@ -15,6 +15,7 @@ import numpy as np
 from rrrobot.checks import finite
 from rrrobot.drive.gaits import Gait, SinusoidalGait
 from rrrobot.errors import GaitError, ModelError
+from rrrobot.inline import html_table
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import YawModel
@@ -43,7 +44,7 @@ class Comparison:
 
     Example:
         >>> import rrrobot as rr
-        >>> c = rr.compare(rr.Robot.from_parameters(), rr.gait("circular"), duration=8.0)
+        >>> c = rr.studies.compare(rr.Robot.from_parameters(), rr.gait("circular"), duration=8.0)
         >>> list(c.states)
         ['full', 'pivoting', 'decoupled', 'modulated']
     """
@@ -72,6 +73,16 @@ class Comparison:
             for name, state in self.states.items()
         ]
 
+    def _repr_html_(self) -> str:
+        head = ("model", "speed [mm/s]", "ratio", "yaw rate [rad/s]", "ratio", "curvature [1/m]")
+        rows = []
+        for name, state in self.states.items():
+            ratios = (self.ratio(name, quantity) for quantity in ("speed", "yaw_rate"))
+            speed, turn = ("-" if r is None else f"{r:.3f}" for r in ratios)
+            numbers = (f"{1000 * state.speed:.4f}", speed, f"{state.yaw_rate:.6f}", turn)
+            rows.append((name, *numbers, f"{state.curvature:.4f}"))
+        return html_table(f"Models on {self.gait!r}", rows, head=head)
+
 
 def compare(
     robot: Robot,
@@ -97,7 +108,7 @@ def compare(
 
     Example:
         >>> import rrrobot as rr
-        >>> c = rr.compare(rr.Robot.from_parameters(), rr.gait("lateral"), duration=20.0)
+        >>> c = rr.studies.compare(rr.Robot.from_parameters(), rr.gait("lateral"), duration=20.0)
         >>> round(c.ratio("pivoting", "speed"), 2)
         1.01
     """
@@ -138,7 +149,7 @@ def yaw_drift(robot: Robot, gait: Gait) -> float:
 
     Example:
         >>> import rrrobot as rr
-        >>> round(rr.yaw_drift(rr.Robot.from_parameters(), rr.gait("circular")), 6)
+        >>> round(rr.studies.yaw_drift(rr.Robot.from_parameters(), rr.gait("circular")), 6)
         0.013552
     """
     YawModel(robot).check_legs(gait.n_legs)
@@ -162,7 +173,7 @@ def matching_yaw_amplitude(robot: Robot, gait: SinusoidalGait, yaw_rate: float) 
     Example:
         >>> import rrrobot as rr
         >>> robot = rr.Robot.from_parameters()
-        >>> factor = rr.matching_yaw_amplitude(robot, rr.gait("circular"), 0.0208547)
+        >>> factor = rr.studies.matching_yaw_amplitude(robot, rr.gait("circular"), 0.0208547)
         >>> round(0.3 * factor, 3)
         0.377
     """

@@ -1,1 +1,5 @@
-"""Robot, ground and path in the browser."""
+"""Films, live viewers, and films in a notebook."""
+
+from rrrobot.lazy import face
+
+__getattr__, __dir__, __all__ = face(__name__, __file__)

@@ -77,6 +77,20 @@ def record(
     target = check_writable(path)
     if target.suffix.lower() not in (".html", ".htm"):
         raise OutputError(f"cannot write {str(target)!r}: a film's file ends in .html.")
+    page = film_html(trajectory, fps=fps, speed=speed, trace=trace, axes=axes, follow=follow)
+    return write_whole(target, page)
+
+
+def film_html(
+    trajectory: Trajectory,
+    *,
+    fps: float = 30.0,
+    speed: float = 1.0,
+    trace: Trace = True,
+    axes: bool = True,
+    follow: bool = False,
+) -> bytes:
+    """The page that `record` writes, with the same options."""
     _check_trace(trace)
     scene = Scene(trajectory.robot, trajectory.ground)
     film = make_film(trajectory, fps=fps, speed=speed, detail=scene.detail)
@@ -92,7 +106,7 @@ def record(
     if len(poses) > 1:
         grown = film.reached - 1 if ribbon and trace is True else None
         commands.append(scene.animation(poses, film.fps, follow=follow, grown=grown))
-    return write_whole(target, film_page(_caption(trajectory, scene, speed), commands))
+    return film_page(_caption(trajectory, scene, speed), commands)
 
 
 class Viewer:

@@ -49,7 +49,7 @@ class FastestTravel(Goal):
 
     Example:
         >>> import rrrobot as rr
-        >>> rr.FastestTravel().unit
+        >>> rr.studies.FastestTravel().unit
         'm/s'
     """
 
@@ -73,7 +73,7 @@ class TightestTurn(Goal):
 
     Example:
         >>> import rrrobot as rr
-        >>> rr.TightestTurn(min_speed=0.002).unit
+        >>> rr.studies.TightestTurn(min_speed=0.002).unit
         '1/m'
     """
 
@@ -108,7 +108,7 @@ class LeastEffort(Goal):
 
     Example:
         >>> import rrrobot as rr
-        >>> rr.LeastEffort(cost="work").unit
+        >>> rr.studies.LeastEffort(cost="work").unit
         'J/m'
     """
 
@@ -177,7 +177,7 @@ class TargetMotion(Goal):
 
     Example:
         >>> import rrrobot as rr
-        >>> rr.TargetMotion(speed=0.005, curvature=2.0).tolerance
+        >>> rr.studies.TargetMotion(speed=0.005, curvature=2.0).tolerance
         0.001
     """
 

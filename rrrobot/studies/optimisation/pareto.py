@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import FourierGait, SinusoidalGait
 from rrrobot.errors import GaitError, ParameterError
+from rrrobot.inline import html_table
 from rrrobot.models.base import Model
 from rrrobot.studies.optimisation.goals import FastestTravel, LeastRate
 from rrrobot.studies.optimisation.result import confirm
@@ -92,6 +93,15 @@ class ParetoFront:
 
     def __len__(self) -> int:
         return len(self.gaits)
+
+    def _repr_html_(self) -> str:
+        unit = LeastRate(rate=self.cost_name).unit
+        head = ("speed [mm/s]", f"{self.cost_name} [m{unit}]", "gait")
+        rows = [
+            (f"{1000 * speed:.3f}", f"{1000 * cost:.4g}", gait)
+            for speed, cost, gait in zip(self.speed, self.cost, self.gaits, strict=True)
+        ]
+        return html_table(f"Pareto front of {len(self)} gaits", rows, head=head)
 
     def __repr__(self) -> str:
         unit = LeastRate(rate=self.cost_name).unit

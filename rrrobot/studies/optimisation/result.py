@@ -10,8 +10,8 @@ import numpy as np
 import pinocchio as pin
 
 from rrrobot.checks import Array
-from rrrobot.drive.gaits import FourierGait, Gait, SinusoidalGait, StillLegs
-from rrrobot.errors import GaitError
+from rrrobot.drive.gaits import FourierGait, Gait, SinusoidalGait
+from rrrobot.inline import html_table
 from rrrobot.models.base import Model
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.steady import SteadyState
@@ -91,6 +91,17 @@ class OptimisedGait:
             "model": self.trajectory.metadata.get("model"),
         }
 
+    def _repr_html_(self) -> str:
+        rows = {
+            f"{self.goal.name}: {self.goal.quantity}": f"{self.value:.6g} {self.goal.unit}",
+            "gait": self.gait,
+            "speed": f"{1000 * self.steady_state.speed:.4f} mm/s",
+            "curvature": f"{self.steady_state.curvature:.4g} 1/m",
+            "limits and goal": "met" if self.met else f"NOT MET: {'; '.join(self.shortfalls)}",
+        }
+        path = self.trajectory.plot("path").figure
+        return html_table("Optimised gait", rows, figure=path)
+
     def __repr__(self) -> str:
         state = "" if self.met else f", NOT MET: {'; '.join(self.shortfalls)}"
         return (
@@ -149,35 +160,3 @@ def _clearance(trajectory: Trajectory, samples: slice) -> float:
             height = normal @ (data.oMi[j].act(model.inertias[j].lever) - foot)
             lowest = min(lowest, float(height))
     return lowest
-
-
-def gait_from_dict(data: Mapping[str, Any]) -> Gait:
-    """The gait of a `to_dict()`: sinusoidal, fourier or still.
-
-    Args:
-        data: {"type": "sinusoidal", "offset", "amplitude", "angular_frequency", "phase"},
-            {"type": "fourier", "offset", "cosine", "sine", "angular_frequency"} or
-            {"type": "still", "angle"}.
-
-    Raises:
-        GaitError: another type, or numbers that are missing or out of range.
-
-    Example:
-        >>> import rrrobot as rr
-        >>> rr.gait_from_dict(rr.gait("lateral").to_dict()).period == rr.gait("lateral").period
-        True
-    """
-    kinds: dict[str, Any] = {
-        "sinusoidal": (SinusoidalGait, ("offset", "amplitude", "angular_frequency", "phase")),
-        "fourier": (FourierGait, ("offset", "cosine", "sine", "angular_frequency")),
-        "still": (StillLegs, ("angle",)),
-    }
-    if not isinstance(data, Mapping) or data.get("type") not in kinds:
-        kind = data.get("type") if isinstance(data, Mapping) else type(data).__name__
-        raise GaitError(f"gait type is {kind!r}: it must be one of {', '.join(kinds)}.")
-    make, keys = kinds[data["type"]]
-    missing = [key for key in keys if key not in data]
-    if missing:
-        raise GaitError(f"the {data['type']} gait lacks {', '.join(missing)}.")
-    numbers = {key: data[key] for key in keys}
-    return make(numbers.pop("angle"), **numbers) if make is StillLegs else make(**numbers)

@@ -74,7 +74,8 @@ def optimise(
     Example:
         >>> import rrrobot as rr
         >>> model = rr.FullModel(rr.Robot.from_parameters())
-        >>> best = rr.optimise(model, rr.TargetMotion(speed=0.005, curvature=2.0), budget=2000)
+        >>> goal = rr.studies.TargetMotion(speed=0.005, curvature=2.0)
+        >>> best = rr.optimise(model, goal, budget=2000)
         >>> round(best.steady_state.speed, 5), round(best.steady_state.curvature, 3)
         (0.005, 2.0)
     """

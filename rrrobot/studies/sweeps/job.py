@@ -11,7 +11,7 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.errors import SweepInterrupted
-from rrrobot.studies.sweeps.plan import Plan
+from rrrobot.studies.sweeps.grid import Plan
 from rrrobot.studies.sweeps.progress import Tell
 from rrrobot.studies.sweeps.store import NOT_COMPUTED, Layout, ResultsFile, curvature, pending
 from rrrobot.studies.sweeps.variants import Variants, clearance

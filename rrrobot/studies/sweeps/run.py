@@ -29,8 +29,8 @@ from rrrobot.models.base import Model
 from rrrobot.models.recombined import DecoupledModels
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.simulation.evaluate import versions
+from rrrobot.studies.sweeps.grid import Grid, Plan, run_settings, whole
 from rrrobot.studies.sweeps.job import Job
-from rrrobot.studies.sweeps.plan import Grid, Plan, run_settings, whole
 from rrrobot.studies.sweeps.progress import progress_of
 from rrrobot.studies.sweeps.store import Layout, ResultsFile
 from rrrobot.studies.sweeps.variants import Variants, engine_of

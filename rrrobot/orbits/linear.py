@@ -32,7 +32,8 @@ of the formula is about its sixth power, and that of rounding 1e-16 over it."""
 class Linearisation(NamedTuple):
     """State-space matrices; `control.ss(*lin)` takes them.
 
-    With n = 2 (free axes + 2 + legs) for the full model: see `labels`.
+    x is (rotation or pose, contact point, leg angles, quasi-velocities, leg rates), see the module:
+    n = 8 + 2 legs for the full model.
     """
 
     A: Array
@@ -79,7 +80,7 @@ def linearise(
         >>> model = rr.RollModel(rr.Robot.from_parameters(), damping=None)
         >>> A, B, C, D = rr.linearise(model, leg_angle=(np.pi / 2, np.pi / 2))
         >>> A.shape, B.shape, C.shape, D.shape
-        ((10, 10), (10, 2), (5, 10), (5, 2))
+        ((8, 8), (8, 2), (5, 8), (5, 2))
     """
     if isinstance(model, DecoupledModels):
         raise ModelError("decoupled models have no free legs: linearise another model.")

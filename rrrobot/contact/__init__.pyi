@@ -1,0 +1,10 @@
+from rrrobot.contact.ground import Ground as Ground
+from rrrobot.contact.ground import Plane as Plane
+from rrrobot.contact.ground import ground_from_dict as ground_from_dict
+from rrrobot.contact.kinematics import contact_path as contact_path
+from rrrobot.contact.kinematics import contact_velocity as contact_velocity
+from rrrobot.contact.kinematics import sphere_contact_rate as sphere_contact_rate
+from rrrobot.contact.surfaces import Ellipsoid as Ellipsoid
+from rrrobot.contact.surfaces import Sphere as Sphere
+from rrrobot.contact.surfaces import Surface as Surface
+from rrrobot.contact.surfaces import surface_from_dict as surface_from_dict

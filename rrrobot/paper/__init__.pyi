@@ -1,0 +1,11 @@
+from rrrobot.paper.closed_forms import composite_period as composite_period
+from rrrobot.paper.closed_forms import pitch_response as pitch_response
+from rrrobot.paper.closed_forms import rolling_pendulum_period as rolling_pendulum_period
+from rrrobot.paper.closed_forms import simple_pendulum_period as simple_pendulum_period
+from rrrobot.paper.closed_forms import static_pitch as static_pitch
+from rrrobot.paper.closed_forms import yaw_mass_matrix as yaw_mass_matrix
+from rrrobot.paper.equations import PaperEquations as PaperEquations
+from rrrobot.paper.equations import paper_equations as paper_equations
+from rrrobot.paper.run import reproduce as reproduce
+from rrrobot.paper.table4 import Table4 as Table4
+from rrrobot.paper.table4 import table_4 as table_4

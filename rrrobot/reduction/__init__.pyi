@@ -1,0 +1,12 @@
+from rrrobot.reduction.checks import Controllability as Controllability
+from rrrobot.reduction.checks import Reducibility as Reducibility
+from rrrobot.reduction.checks import controllability as controllability
+from rrrobot.reduction.checks import path_controllability as path_controllability
+from rrrobot.reduction.checks import reducibility as reducibility
+from rrrobot.reduction.connection import Connection as Connection
+from rrrobot.reduction.connection import rotation_connection as rotation_connection
+from rrrobot.reduction.cycles import OptimalCycle as OptimalCycle
+from rrrobot.reduction.cycles import optimal_cycle as optimal_cycle
+from rrrobot.reduction.heights import height_grid as height_grid
+from rrrobot.reduction.heights import zero_set as zero_set
+from rrrobot.reduction.yaw import net_yaw as net_yaw

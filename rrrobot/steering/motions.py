@@ -1,0 +1,171 @@
+"""What a robot's gaits can do, as motions in the plane: the reachable set and its corners.
+
+Settled, a gait moves the cycle-mean pose (x, y, yaw) along a fixed screw: a velocity (u, v) along
+the body's mean x and y axes and a yaw rate. Over all gaits within the bounds these fill a region;
+its corners, the vertices of the convex hull, are the motions that are worth driving with, for any
+other is slower than some mixture of them in every direction.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rrrobot.checks import Array, finite
+from rrrobot.errors import ModelError, ParameterError
+from rrrobot.files import write_whole
+from rrrobot.models.base import Model
+from rrrobot.studies.sweeps.run import sweep
+
+_OFFSETS, _PHASES, _SHARES = 25, 48, (1.0, 0.6)
+
+
+class Motions(NamedTuple):
+    """Settled motions of sinusoidal gaits of one frequency, one a row."""
+
+    twist: Array
+    """(u, v, yaw rate) along the mean body axes (n, 3) [m/s, m/s, rad/s]"""
+    offset: Array
+    """of both legs (n,) [rad]"""
+    amplitude: Array
+    """(n,) [rad]"""
+    phase_difference: Array
+    """of leg 2 from leg 1 (n,) [rad]"""
+    angular_frequency: float
+    """[rad/s]"""
+
+    def take(self, rows: Array) -> Motions:
+        """Some of them."""
+        twist, offset, amplitude, phase, frequency = self
+        return Motions(twist[rows], offset[rows], amplitude[rows], phase[rows], frequency)
+
+
+def motions_of(
+    model: Model,
+    *,
+    amplitude: float = 0.5,
+    angular_frequency: float = 8.0,
+    store: bool = True,
+    progress: Any = None,
+) -> Motions:
+    """Settled motions over offsets of 0 to pi, all phase differences, and two amplitudes.
+
+    Computed once for a robot and kept in the user's cache folder, by everything they depend on.
+
+    Args:
+        model: a model with two legs that the momentum engine knows.
+        amplitude: the largest [rad].
+        angular_frequency: [rad/s].
+        store: whether to read and write the cache.
+        progress: as for `sweep`.
+
+    Raises:
+        ModelError: the robot has not two legs, or no gait travels.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> from rrrobot.steering.motions import motions_of
+        >>> found = motions_of(rr.FullModel(rr.Robot.from_parameters()))
+        >>> bool(0.02 < abs(found.twist[:, 1]).max() < 0.03)  # sideways, m/s
+        True
+    """
+    if model.n_legs != 2:
+        raise ModelError(
+            f"the robot has {model.n_legs} leg joints: plans are made of gaits of two legs; name "
+            "two with legs=, the others are held."
+        )
+    amplitude = finite("amplitude", amplitude, "rad", above=0)
+    path = _cache_path(model, amplitude, angular_frequency)
+    kept = _read(path, angular_frequency) if store else None
+    if kept is not None:
+        return kept
+    ds = sweep(
+        model,
+        offset=np.linspace(0.0, np.pi, _OFFSETS),
+        phase_difference=np.linspace(0.0, 2 * np.pi, _PHASES, endpoint=False),
+        amplitude=amplitude * np.array(_SHARES),
+        angular_frequency=angular_frequency,
+        progress=progress,
+    )
+    ds = ds.squeeze("angular_frequency") if "angular_frequency" in ds.dims else ds
+    table = ds[["velocity_x", "velocity_y", "yaw_rate", "variation"]].to_dataframe().reset_index()
+    twist = table[["velocity_x", "velocity_y", "yaw_rate"]].to_numpy()
+    sound = np.all(np.isfinite(twist), axis=1) & (table["variation"].to_numpy() < 0.01)
+    if not sound.any() or np.abs(twist[sound]).max() < 1e-9:
+        raise ModelError(
+            "no gait of this robot travels (are its legs without mass, or is there only one?): "
+            "nothing can be planned."
+        )
+    found = Motions(
+        twist[sound],
+        table["offset"].to_numpy()[sound],
+        table["amplitude"].to_numpy()[sound],
+        table["phase_difference"].to_numpy()[sound],
+        angular_frequency,
+    )
+    if store:
+        _write(path, found)
+    return found
+
+
+def corners(motions: Motions, *, most: int = 12) -> Motions:
+    """Corners of the hull of all twists: few that reach nearly as far as all, in every direction.
+
+    Each is chosen where those before it fall short the most.
+
+    Args:
+        motions: settled motions.
+        most: how many at most.
+    """
+    if most < 2:
+        raise ParameterError(f"most is {most}: at least 2 motions are needed.")
+    scaled = motions.twist / np.maximum(np.abs(motions.twist).max(axis=0), 1e-300)
+    directions = np.random.default_rng(0).normal(size=(500, 3))
+    reach = scaled @ directions.T
+    furthest, far = reach.argmax(axis=0), reach.max(axis=0)
+    chosen = [int(furthest[0])]
+    while len(chosen) < most:
+        short = 1.0 - reach[chosen].max(axis=0) / np.maximum(far, 1e-300)
+        worst = int(short.argmax())
+        if short[worst] < 0.02:
+            break
+        chosen.append(int(furthest[worst]))
+    return motions.take(np.array(chosen))
+
+
+def _cache_path(model: Model, amplitude: float, angular_frequency: float) -> Path:
+    """File for everything that the motions depend on."""
+    what = [
+        model.robot.to_dict(), model.to_dict(), amplitude, angular_frequency,
+        _OFFSETS, _PHASES, _SHARES,
+    ]  # fmt: skip
+    name = hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:24]
+    home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
+    return Path(home) / "rrrobot" / "motions" / f"{name}.npy"
+
+
+def _read(path: Path, angular_frequency: float) -> Motions | None:
+    try:
+        rows = np.load(path, allow_pickle=False)
+    except (OSError, ValueError, EOFError):
+        return None
+    if rows.ndim != 2 or rows.shape[1] != 6 or not np.all(np.isfinite(rows)):
+        return None
+    return Motions(rows[:, :3], rows[:, 3], rows[:, 4], rows[:, 5], angular_frequency)
+
+
+def _write(path: Path, found: Motions) -> None:
+    import io
+
+    buffer = io.BytesIO()
+    np.save(buffer, np.column_stack(found[:4]))
+    try:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        write_whole(path, buffer.getvalue())
+    except OSError:
+        pass  # a home that cannot be written only costs time

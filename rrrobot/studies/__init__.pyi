@@ -1,0 +1,14 @@
+from rrrobot.studies.comparison import Comparison as Comparison
+from rrrobot.studies.comparison import compare as compare
+from rrrobot.studies.comparison import matching_yaw_amplitude as matching_yaw_amplitude
+from rrrobot.studies.comparison import yaw_drift as yaw_drift
+from rrrobot.studies.optimisation.goals import FastestTravel as FastestTravel
+from rrrobot.studies.optimisation.goals import LeastEffort as LeastEffort
+from rrrobot.studies.optimisation.goals import TargetMotion as TargetMotion
+from rrrobot.studies.optimisation.goals import TightestTurn as TightestTurn
+from rrrobot.studies.optimisation.pareto import ParetoFront as ParetoFront
+from rrrobot.studies.optimisation.pareto import pareto_front as pareto_front
+from rrrobot.studies.optimisation.result import OptimisedGait as OptimisedGait
+from rrrobot.studies.optimisation.run import optimise as optimise
+from rrrobot.studies.optimisation.table import GaitLimits as GaitLimits
+from rrrobot.studies.sweeps.run import sweep as sweep

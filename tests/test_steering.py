@@ -1,0 +1,162 @@
+"""Plans: arcs that meet, exact motions that arrive, and what stands in the way."""
+
+import numpy as np
+import pytest
+
+import rrrobot as rr
+from rrrobot.steering import Disc, Polygon
+from rrrobot.steering.arcs import joined, move, path
+from rrrobot.steering.motions import corners, motions_of
+from rrrobot.steering.obstacles import free_distance
+
+PLACE, TURN = 1e-3, np.deg2rad(0.2)
+
+
+@pytest.fixture(scope="module")
+def home(tmp_path_factory):
+    """The maps are kept in a folder of the tests' own."""
+    patch = pytest.MonkeyPatch()
+    patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
+    yield
+    patch.undo()
+
+
+@pytest.fixture(scope="module")
+def model(home):
+    return rr.FullModel(rr.Robot.from_parameters())
+
+
+@pytest.fixture(scope="module")
+def motions(model):
+    return motions_of(model)
+
+
+def expm(twist, time):
+    """A screw's displacement as the exponential of its matrix."""
+    from scipy.linalg import expm
+
+    u, v, w = twist
+    g = expm(time * np.array(((0, -w, u), (w, 0, v), (0, 0, 0))))
+    return g[0, 2], g[1, 2], np.arctan2(g[1, 0], g[0, 0])
+
+
+@pytest.mark.parametrize("twist", [(0.02, -0.01, 0.3), (0.01, 0.02, 0.0), (0.01, 0, 1e-9)])
+def test_moving_along_a_screw(twist):
+    x, y, turn = expm(twist, 4.0)
+    pose = np.array((0.3, -0.1, 0.7))
+    c, s = np.cos(0.7), np.sin(0.7)
+    wanted = (0.3 + c * x - s * y, -0.1 + s * x + c * y, 0.7 + turn)
+    np.testing.assert_allclose(move(pose, np.array(twist), np.array(4.0)), wanted, atol=1e-14)
+
+
+def test_motions_are_those_of_simulations(model, motions):
+    rng = np.random.default_rng(0)
+    for row in rng.choice(len(motions.offset), 2, replace=False):
+        gait = rr.SinusoidalGait(
+            offset=motions.offset[row], amplitude=motions.amplitude[row], angular_frequency=8.0,
+            phase=(0.0, motions.phase_difference[row]),
+        )  # fmt: skip
+        s = rr.simulate(model, gait, 38 * gait.period, method="momentum").steady_state()
+        assert np.linalg.norm(motions.twist[row, :2]) == pytest.approx(s.speed, abs=2e-6)
+        assert motions.twist[row, 2] == pytest.approx(s.yaw_rate, abs=2e-5)
+
+
+def test_corners_span_the_reachable_set(motions):
+    """In every direction of travel and turn the corners lose little against all gaits."""
+    few = corners(motions, most=12)
+    assert len(few.offset) <= 12
+    scale = np.abs(motions.twist).max(axis=0)
+    rng = np.random.default_rng(1)
+    for direction in rng.normal(size=(200, 3)):
+        every, some = (((m.twist / scale) @ direction).max() for m in (motions, few))
+        assert some > 0.8 * every
+
+
+def test_arcs_meet_the_goal(motions):
+    twists = corners(motions, most=8).twist
+    goal = np.array((0.3, -0.2, 2.5))
+    found = joined(twists, np.zeros(3), goal, least=1.0, most=200.0)
+    assert len(found.time) > 20 and np.all(np.diff(found.time.sum(axis=1)) >= 0)
+    for choice, time in zip(found.choice[:20], found.time[:20], strict=True):
+        pose = np.zeros(3)
+        for k, t in zip(choice, time, strict=True):
+            pose = move(pose, twists[k], t)
+        away = pose - goal
+        away[2] = (away[2] + np.pi) % (2 * np.pi) - np.pi
+        np.testing.assert_allclose(away, 0, atol=1e-4)
+        np.testing.assert_allclose(path(twists[choice], np.zeros(3), time)[-1], pose, atol=1e-12)
+
+
+GOALS = [(0.2, 0.1, np.pi / 2), (-0.3, 0.25, -2.0), (0.0, 0.4, 0.0), (0.05, -0.02, 3.0)]
+
+
+@pytest.mark.parametrize("goal", GOALS)
+def test_a_plan_arrives_on_the_exact_model(model, goal):
+    p = rr.plan(model, goal)
+    assert p.lower_bound < p.gait.duration < 4 * p.lower_bound + 25
+    t = p.execute()  # by the KKT form
+    np.testing.assert_allclose(t.position[-1], p.predicted[:2], atol=2e-6)
+    assert np.hypot(*(t.position[-1] - goal[:2])) < PLACE
+    turn = (t.euler[-1, 2] - goal[2] + np.pi) % (2 * np.pi) - np.pi
+    assert abs(turn) < TURN
+    # It rests there.
+    assert np.abs(t.euler_rates[-1]).max() < 1e-4 and not t.leg_rate[-1].any()
+    assert t.slip.max() < 1e-12
+
+
+def test_a_start_elsewhere_is_the_same_plan_moved(model):
+    here = rr.plan(model, (0.2, 0.1, 0.5))
+    turn, place = 0.8, np.array((1.0, -2.0))
+    c, s = np.cos(turn), np.sin(turn)
+    goal = (*(place + np.array(((c, -s), (s, c))) @ (0.2, 0.1)), 0.5 + turn)
+    there = rr.plan(model, goal, start=(*place, turn))
+    assert there.gait.duration == pytest.approx(here.gait.duration, abs=1e-9)
+    time = np.linspace(0, here.gait.duration, 100)
+    np.testing.assert_allclose(there.gait(time).angle, here.gait(time).angle, atol=1e-4)
+
+
+def test_obstacles_are_passed_at_their_margin(model):
+    wall = Polygon([(-0.3, 0.2), (0.15, 0.2), (0.15, 0.25), (-0.3, 0.25)])
+    obstacles = (Disc((0.3, 0.1), 0.03), wall)
+    p = rr.plan(model, (-0.05, 0.5, 0.0), obstacles=obstacles, margin=0.08)
+    direct = rr.plan(model, (-0.05, 0.5, 0.0))
+    assert free_distance(obstacles, direct.path[:, :2]).min() < 0.08
+    t = p.execute(method="momentum", sample_interval=np.pi / 32)
+    means = np.column_stack([np.convolve(c, np.full(8, 1 / 8), "valid") for c in t.position.T])
+    assert free_distance(obstacles, means).min() >= 0.08
+    assert np.hypot(*p.error[:2]) < PLACE and abs(p.error[2]) < TURN
+
+
+def test_distances_of_polygons():
+    """Against points sampled densely on the edges, and an even-odd test by angles."""
+    rng = np.random.default_rng(2)
+    corners_ = np.array([(0, 0), (2, 0), (2, 2), (1, 0.5), (0, 2)], dtype=float)
+    shape = Polygon(corners_)
+    share = np.linspace(0, 1, 2001)[:, None]
+    edges = np.vstack(
+        [a + share * (b - a) for a, b in zip(corners_, np.roll(corners_, -1, axis=0), strict=True)]
+    )
+    for point in rng.uniform(-1, 3, (100, 2)):
+        away = np.linalg.norm(edges - point, axis=1).min()
+        angles = np.unwrap(np.arctan2(*(edges - point).T[::-1]))
+        inside = abs(angles[-1] - angles[0]) > np.pi
+        found = shape.distance(point[None])[0]
+        assert found == pytest.approx(-away if inside else away, abs=1e-3)
+
+
+def test_what_is_refused(model):
+    with pytest.raises(rr.ParameterError, match=r"the goal .* is -0.05 m from an obstacle"):
+        rr.plan(model, (0.3, 0.0, 0.0), obstacles=[Disc((0.3, 0.0), 0.05)])
+    with pytest.raises(rr.ParameterError, match="the start"):
+        rr.plan(model, (0.3, 0.0, 0.0), obstacles=[Disc((0.0, 0.0), 0.05)])
+    with pytest.raises(rr.PlanError, match="no way from"):
+        rr.plan(model, (0.5, 0.5, 0.0), longest=5.0)
+    ring = [Disc((0.3 + 0.3 * np.cos(a), 0.3 * np.sin(a)), 0.06) for a in np.arange(16) * np.pi / 8]
+    with pytest.raises(rr.PlanError, match="no way from"):
+        rr.plan(model, (0.3, 0.0, 0.0), start=(1.5, 0, 0), obstacles=ring, margin=0.1, longest=90)
+    with pytest.raises(rr.ModelError, match="rolls"):
+        rr.plan(rr.PivotingModel(model.robot), (0.1, 0, 0))
+    with pytest.raises(rr.ModelError, match="does not fade"):
+        rr.plan(rr.FullModel(model.robot, damping=None), (0.1, 0, 0))
+    with pytest.raises(rr.ParameterError, match="goal"):
+        rr.plan(model, (0.1, np.nan, 0))
