@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rrrobot.simulation.trajectory import Trajectory
-    from rrrobot.steering.planner import Plan
+    from rrrobot.steering.plans import Plan
 
 
 class RRRobotError(Exception):
@@ -124,3 +124,11 @@ class GroundClearanceWarning(UserWarning):
 
 class SlowWarning(UserWarning):
     """A run takes long; the message says how many steps and why."""
+
+
+class UrdfWarning(UserWarning):
+    """A robot's file says what no body can have, or what no model here takes into account."""
+
+
+class LimitWarning(UserWarning):
+    """A motion passes a limit that the robot's file sets to a joint."""

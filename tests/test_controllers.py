@@ -6,6 +6,9 @@ from scipy.integrate import solve_ivp
 
 import rrrobot as rr
 
+# Its inertia is far from that of 50 kg, on purpose.
+pytestmark = pytest.mark.filterwarnings("ignore::rrrobot.errors.UrdfWarning")
+
 KP, KI, KD, GOAL, J = 2.0, 4.0, 0.1, 1.0, 0.01
 
 

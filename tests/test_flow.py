@@ -98,14 +98,14 @@ def test_events_are_located():
     model = rr.RollModel(ROBOT, damping=None)
     still = rr.StillLegs((np.pi / 2, np.pi / 2))
     options = {"euler": (-0.1, 0, 0), "start": "rest"}
-    up = rr.Event(lambda at: at.euler[0], direction=1, name="up")
+    up = rr.simulation.Event(lambda at: at.euler[0], direction=1, name="up")
     t = rr.simulate(model, still, 3.0, events=[up], **options)
     times = [hit.time for hit in t.events]
     # A conservative swing from rest: zeros at T/4, 5 T/4, ... and each at zero to the tolerance.
     assert len(times) == 3
     assert times[1] / times[0] == pytest.approx(5.0, abs=1e-8)
     assert all(abs(hit.state[0]) < 1e-10 for hit in t.events)
-    end = rr.Event(lambda at: at.euler[0], terminal=True, direction=1, name="up")
+    end = rr.simulation.Event(lambda at: at.euler[0], terminal=True, direction=1, name="up")
     short = rr.simulate(model, still, 3.0, events=[end], **options)
     assert short.time[-1] == short.final_state.time == times[0]
     assert abs(short.euler[-1, 0]) < 1e-10

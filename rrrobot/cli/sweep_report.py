@@ -13,6 +13,7 @@ import numpy as np
 from rrrobot.cli.options.robot import DECOUPLED
 from rrrobot.cli.report import aligned
 from rrrobot.files import make_folder
+from rrrobot.studies.modulation import amplitude_modulation, filled, pitch_yaw_phase_difference
 from rrrobot.studies.sweeps.run import sweep as run_sweep
 from rrrobot.studies.sweeps.store import LOADS, STATUS
 
@@ -110,7 +111,7 @@ def draw(ds: xr.Dataset) -> dict[str, Any]:
         "amplitudes": maps.amplitudes(ds),
         "inverse": maps.inverse(ds),
     }
-    phase = maps.phase_difference(ds)
+    phase = pitch_yaw_phase_difference(ds)
     if phase.notnull().any():
         figures["phase_difference"] = maps.value_map(phase).figure
     for name in LOADS:
@@ -129,14 +130,13 @@ def draw_paper(
         make: makes a model by its name.
         grids, run: of that sweep.
     """
-    from rrrobot.figures import maps
     from rrrobot.paper import figures as paper
 
     pitch, yaw = (run_sweep(make(name), **grids, **run) for name in ("pitch", "yaw"))
     decoupled = make(DECOUPLED)
     thin = slice(None, None, math.ceil(full.sizes["offset"] / _MOST_MODULATED))
-    modulation = maps.amplitude_modulation(decoupled.robot, full.isel(offset=thin))
-    amplitude = maps.filled(modulation, full.offset)
+    modulation = amplitude_modulation(decoupled.robot, full.isel(offset=thin))
+    amplitude = filled(modulation, full.offset)
     single = run_sweep(decoupled, **grids, **run, yaw_amplitude=amplitude)
     return {
         "fig_11_pitch_amplitude": paper.fig_11(full, pitch),

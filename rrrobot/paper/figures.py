@@ -22,6 +22,7 @@ from rrrobot.paper.unicycle import unicycle
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.studies.comparison import Comparison
+from rrrobot.studies.modulation import pitch_yaw_phase_difference
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -124,7 +125,9 @@ def fig_12(full: xr.Dataset, yaw: xr.Dataset) -> Figure:
 
 def fig_14(full: xr.Dataset, pitch: xr.Dataset, yaw: xr.Dataset) -> Figure:
     """Pitch phase less yaw phase over the plane: full model, and pitch and yaw models."""
-    return maps.side_by_side(maps.phase_difference(full), maps.phase_difference(pitch, yaw))
+    return maps.side_by_side(
+        pitch_yaw_phase_difference(full), pitch_yaw_phase_difference(pitch, yaw)
+    )
 
 
 def fig_15(comparison: Comparison) -> Figure:
@@ -153,7 +156,7 @@ def fig_19(single_axis_models: xr.Dataset) -> Figure:
 
 
 def fig_20(modulation: xr.DataArray) -> Figure:
-    """Leg amplitude of the yaw model over the offset; see `maps.amplitude_modulation`."""
+    """Leg amplitude of the yaw model over the offset; see `studies.amplitude_modulation`."""
     return maps.modulation(modulation).figure  # type: ignore[return-value]
 
 

@@ -70,7 +70,7 @@ class Event:
 
     Example:
         >>> import rrrobot as rr
-        >>> upright = rr.Event(lambda at: at.euler[0], direction=1, name="upright")
+        >>> upright = rr.simulation.Event(lambda at: at.euler[0], direction=1, name="upright")
         >>> model = rr.FullModel(rr.Robot.from_parameters(), damping=None)
         >>> t = rr.simulate(model, rr.StillLegs((1.57, 1.57)), 2.0, euler=(-0.1, 0, 0),
         ...                 start="rest", events=[upright])

@@ -16,7 +16,7 @@ from rrrobot.simulation.track import Track
 
 
 class MomentumFlow(Flow):
-    """The flow by the contact momentum: prescribed legs, a sphere on level ground, fixed steps.
+    """The flow by the contact momentum: prescribed legs, any shell and ground of ours, fixed steps.
 
     Every sample interval is divided into equal steps of at most `step`.
 
@@ -36,11 +36,15 @@ class MomentumFlow(Flow):
         rtol: float | None = None,
         atol: float | None = None,
     ) -> None:
+        # Numba loads here, so that it costs nobody who does not use it.
+        from rrrobot.momentum.terrain import fineness
+
         self._refuse("method 'momentum', whose steps are fixed: set step=", rtol=rtol, atol=atol)
         super().__init__(model, drive, step=step)
         if not isinstance(drive, Gait):
             raise GaitError("method 'momentum' needs a prescribed gait; use 'kkt' for torques.")
-        self.stepping = self.stepping._replace(step=self.stepping.step or self.stepping.max_step)
+        longest = self.stepping.max_step / fineness(model.robot.shell)
+        self.stepping = self.stepping._replace(step=self.stepping.step or longest)
 
     def _run(
         self,
@@ -56,7 +60,6 @@ class MomentumFlow(Flow):
                 "method 'momentum' has no states between its samples, so it cannot locate events: "
                 "use 'kkt'."
             )
-        # Numba loads here, so that it costs nobody who does not use it.
         from rrrobot.momentum.run import run
 
         longest = self.stepping.step or self.stepping.max_step

@@ -1,7 +1,7 @@
 """The flow of a model under a drive: a state at one time to the state at another.
 
 `Flow` is the general form, by the KKT system, for any model, prescribed legs or torques.
-`MomentumFlow` of `fast.py` is the fast form for prescribed legs on a sphere on level ground.
+`MomentumFlow` of `fast.py` is the fast form for prescribed legs on any shell and ground of ours.
 """
 
 from __future__ import annotations

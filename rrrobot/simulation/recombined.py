@@ -18,6 +18,7 @@ from rrrobot.simulation.evaluate import trajectory_of
 from rrrobot.simulation.flow import Flow
 from rrrobot.simulation.run import raise_if_stopped
 from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.simulation.watch import watch
 
 
 class _Apart(Gait):
@@ -96,4 +97,5 @@ def decoupled(
     gaits = {"gait": gait.to_dict(), "yaw_gait": own.to_dict()}
     trajectory = replace(trajectory, metadata={**trajectory.metadata, **gaits})
     raise_if_stopped(flow, found, trajectory)
+    watch(trajectory)
     return trajectory

@@ -25,6 +25,7 @@ from rrrobot.simulation.fast import FLOWS
 from rrrobot.simulation.flow import Evolution, Flow
 from rrrobot.simulation.state import State
 from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.simulation.watch import watch
 
 
 def simulate(
@@ -62,8 +63,8 @@ def simulate(
         step: fixed step [s]; adaptive if None.
         rtol, atol: local error tolerances of the adaptive step, 1e-10 if None, which is at most
             0.04 s and a twelfth of the gait's period; for adaptive steps only.
-        method: "kkt", the general form; or "momentum", the fast form for prescribed legs on a
-            sphere on level ground, with fixed steps of at most `step` that end at the samples.
+        method: "kkt", the general form; or "momentum", the fast form for prescribed legs on any
+            shell and ground of ours, with fixed steps of at most `step` that end at the samples.
             Forces and torques are Pinocchio's in either.
         events: to look for, such as `lift_off()`; those that are found are the trajectory's
             `events`. It ends at one that is terminal.
@@ -102,6 +103,7 @@ def simulate(
     settings = {"method": method, "evaluations": found.run.evaluations, "start": begun}
     trajectory = trajectory_of(flow, found, settings | flow.stepping.to_dict())
     raise_if_stopped(flow, found, trajectory)
+    watch(trajectory)
     return trajectory
 
 

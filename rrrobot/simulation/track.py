@@ -6,6 +6,7 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.models.base import VERTICAL_PITCH, Model
+from rrrobot.models.full import FullModel
 from rrrobot.rotations import euler_from_rotation, rotation_from_quaternion
 from rrrobot.simulation.memory import Recall
 
@@ -48,4 +49,5 @@ class Track:
                     "model's damping or coordinates, are singular; swing the legs less, or use the "
                     "full model with BodyRateDamping"
                 )
-        return None
+        model = self.model
+        return model.trouble(pose) if isinstance(model, FullModel) else None

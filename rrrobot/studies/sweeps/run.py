@@ -88,7 +88,7 @@ def sweep(
         angular_frequency: of all legs [rad/s]; 8 unless given.
         yaw_amplitude: of the legs in the yaw model alone of `DecoupledModels`, the paper's Fig 20
             [rad]: a number, or a DataArray over some of the gaits' dimensions, such as
-            `figures.maps.amplitude_modulation` gives; where it is NaN, as the other models'.
+            `rr.studies.amplitude_modulation` gives; where it is NaN, as the other models'.
         points: gaits instead of a grid: `SinusoidalGait`s, or a mapping from the names above to
             arrays (n,) or, one column a leg, (n, legs). What it does not name may still be a grid.
         parameters: grids of `RRRobotParameters` by name, for the model of a robot that
@@ -194,6 +194,9 @@ def _attrs(model: Model, base: RRRobotParameters | None, run: dict[str, int]) ->
     """What a dataset says of itself."""
     from llvmlite import binding  # type: ignore[import-untyped, unused-ignore]
 
+    from rrrobot.momentum.cache import engine_hash
+
+    here = {"cpu": binding.get_host_cpu_name(), "engine": engine_hash()}
     used = versions() | {name: version(name) for name in ("numba", "xarray")}
     return {
         "title": f"steady states of gaits: {model.name} model of {model.robot.name}",
@@ -202,7 +205,7 @@ def _attrs(model: Model, base: RRRobotParameters | None, run: dict[str, int]) ->
         "parameters": json.dumps(None if base is None else base.to_dict()),
         "robot": json.dumps(model.robot.to_dict()),
         **{name: int(value) for name, value in run.items()},
-        "versions": json.dumps(used | {"cpu": binding.get_host_cpu_name()}),
+        "versions": json.dumps(used | here),
     }
 
 

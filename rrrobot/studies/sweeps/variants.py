@@ -118,8 +118,9 @@ def clearance(robot: Robot, gaits: Gaits) -> Array:
         c, s = up @ (lever - along), up @ np.cross(axis, lever)
         fixed = tree.translation[0, 2] + tree.translation[i, 2] + up @ along
         # From the lowest angle to the swing's centre, and to the nearest angle of the swing.
-        turn = gaits.offset[:, tree.leg[i]] - math.atan2(-s, -c)
+        k, ratio = tree.leg[i], tree.ratio[i]
+        turn = ratio * gaits.offset[:, k] + tree.shift[i] - math.atan2(-s, -c)
         away = np.abs((turn + np.pi) % (2 * np.pi) - np.pi)
-        nearest = np.maximum(away - np.abs(gaits.amplitude[:, tree.leg[i]]), 0.0)
+        nearest = np.maximum(away - np.abs(ratio * gaits.amplitude[:, k]), 0.0)
         lowest = np.minimum(lowest, fixed - math.hypot(c, s) * np.cos(nearest))
     return robot.shell.radius + lowest
