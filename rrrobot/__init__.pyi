@@ -57,6 +57,7 @@ from rrrobot.errors import RRRobotError as RRRobotError
 from rrrobot.errors import ShellError as ShellError
 from rrrobot.errors import SimulationError as SimulationError
 from rrrobot.errors import SimulationInterrupted as SimulationInterrupted
+from rrrobot.errors import SlowWarning as SlowWarning
 from rrrobot.errors import SweepInterrupted as SweepInterrupted
 from rrrobot.errors import UrdfError as UrdfError
 from rrrobot.errors import UrdfWarning as UrdfWarning
@@ -69,14 +70,17 @@ from rrrobot.models.single_axis import RollModel as RollModel
 from rrrobot.models.single_axis import YawModel as YawModel
 from rrrobot.orbits.limit_cycles import LimitCycle as LimitCycle
 from rrrobot.orbits.limit_cycles import limit_cycle as limit_cycle
+from rrrobot.orbits.linear import linearise as linearise
 from rrrobot.orbits.oscillations import modes as modes
 from rrrobot.robot.parameters import RRRobotParameters as RRRobotParameters
 from rrrobot.robot.robot import Robot as Robot
 from rrrobot.robot.urdf import rrrobot_urdf as rrrobot_urdf
 from rrrobot.robot.urdf import urdf_path as urdf_path
 from rrrobot.serial import register as register
+from rrrobot.simulation.flow import Flow as Flow
 from rrrobot.simulation.recombined import decoupled as decoupled
 from rrrobot.simulation.run import simulate as simulate
+from rrrobot.simulation.state import State as State
 from rrrobot.simulation.steady import SteadyState as SteadyState
 from rrrobot.simulation.trajectory import Trajectory as Trajectory
 from rrrobot.steering.planner import plan as plan

@@ -23,7 +23,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rrrobot.checks import Array, vector
+from rrrobot.checks import Array
 from rrrobot.constraints import Constraint, Instant, PrescribedJoints, RollingContact
 from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.saved import ground_from_dict
@@ -42,6 +42,7 @@ from rrrobot.kkt import kkt_build, kkt_solve
 from rrrobot.models.terms import Dynamics, Equations, Placement
 from rrrobot.robot.joints import JointIndex, coriolis_matrix, energy, joint_inertia
 from rrrobot.robot.robot import Robot
+from rrrobot.rotations import continuous_euler, euler_from_quaternion
 
 VERTICAL_PITCH = np.deg2rad(89.5)
 """Pitch at which a model stops that is singular at 90 degrees [rad]."""
@@ -228,6 +229,16 @@ class Model(ABC):
         torque = forces[self._prescribed.name] if leg_torque is None else leg_torque
         return Dynamics(acceleration, force, torque, q, v, forces)
 
+    def quasi_rate(
+        self, place: Placement, quasi: Array, leg: LegMotion, time: float = 0.0
+    ) -> Array:
+        """Rates of the quasi-velocities (n_quasi,) under prescribed legs."""
+        return self.quasi_acceleration(self.dynamics(place, quasi, leg, time=time).acceleration)
+
+    def turned(self, poses: Array, now: Array) -> Array:
+        """Roll, pitch, yaw (n, 3) [rad] of poses (n, n_pose), without jumps from `now` (3,) on."""
+        return continuous_euler(euler_from_quaternion(self.quaternions(poses)), now)
+
     def equations(self, q: Array, v: Array) -> Equations:
         """M, C and G at Pinocchio's q (nq,) and v (nv,): the left side of eqs (1), (6) and (11).
 
@@ -293,20 +304,6 @@ class Model(ABC):
                 f"the gait moves {n_legs} leg joint{'s' * (n_legs != 1)}, but the robot has "
                 f"{self.n_legs}: {', '.join(self.robot.legs) or 'none'}. Give one entry for each."
             )
-
-    def start_velocity(
-        self, start: str | ArrayLike, pose: Array, leg_angle: Array, leg_rate: Array
-    ) -> Array:
-        """Quasi-velocities of a start: "impulsive", "rest", or Euler rates (3,) [rad/s]."""
-        if isinstance(start, str):
-            if start == "impulsive":
-                return self.impulsive_start(pose, leg_angle, leg_rate)
-            if start == "rest":
-                return np.zeros(self.n_quasi)
-            raise ModelError(f"start is {start!r}: it must be 'impulsive', 'rest' or Euler rates.")
-        rates = vector("start", start, 3, "rad/s", labels=("roll", "pitch", "yaw"))
-        self.require_free("start", rates)
-        return self.quasi_from_euler_rates(pose, rates)
 
     @property
     def singular_at_vertical(self) -> bool:
