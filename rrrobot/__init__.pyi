@@ -47,6 +47,7 @@ from rrrobot.errors import GroundClearanceWarning as GroundClearanceWarning
 from rrrobot.errors import LimitWarning as LimitWarning
 from rrrobot.errors import MissingExtraError as MissingExtraError
 from rrrobot.errors import ModelError as ModelError
+from rrrobot.errors import OrbitError as OrbitError
 from rrrobot.errors import OutputError as OutputError
 from rrrobot.errors import ParameterError as ParameterError
 from rrrobot.errors import PlanError as PlanError
@@ -65,6 +66,8 @@ from rrrobot.models.pivoting import PivotingModel as PivotingModel
 from rrrobot.models.single_axis import PitchModel as PitchModel
 from rrrobot.models.single_axis import RollModel as RollModel
 from rrrobot.models.single_axis import YawModel as YawModel
+from rrrobot.orbits.limit_cycles import LimitCycle as LimitCycle
+from rrrobot.orbits.limit_cycles import limit_cycle as limit_cycle
 from rrrobot.orbits.linear import linearise as linearise
 from rrrobot.orbits.oscillations import modes as modes
 from rrrobot.robot.parameters import RRRobotParameters as RRRobotParameters
@@ -72,10 +75,8 @@ from rrrobot.robot.robot import Robot as Robot
 from rrrobot.robot.urdf import rrrobot_urdf as rrrobot_urdf
 from rrrobot.robot.urdf import urdf_path as urdf_path
 from rrrobot.serial import register as register
-from rrrobot.simulation.flow import Flow as Flow
 from rrrobot.simulation.recombined import decoupled as decoupled
 from rrrobot.simulation.run import simulate as simulate
-from rrrobot.simulation.state import State as State
 from rrrobot.simulation.steady import SteadyState as SteadyState
 from rrrobot.simulation.trajectory import Trajectory as Trajectory
 from rrrobot.steering.planner import plan as plan

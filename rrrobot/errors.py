@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rrrobot.orbits.branches import Branch
     from rrrobot.simulation.trajectory import Trajectory
     from rrrobot.steering.plans import Plan
 
@@ -47,6 +48,10 @@ class ModelError(RRRobotError, ValueError):
 
 class ConstraintError(RRRobotError, ArithmeticError):
     """The KKT system is singular or not finite."""
+
+
+class OrbitError(RRRobotError, ArithmeticError):
+    """No motion that repeats was found, or it leaves what the model can describe."""
 
 
 class OutputError(RRRobotError, OSError):
@@ -101,6 +106,17 @@ class SweepInterrupted(RRRobotError, RuntimeError, KeyboardInterrupt):
 
     def __reduce__(self) -> tuple[Any, ...]:
         return (type(self), (str(self), self.dataset))
+
+
+class BranchInterrupted(RRRobotError, RuntimeError, KeyboardInterrupt):
+    """Ctrl-C while a branch was followed; `branch` holds its points so far."""
+
+    def __init__(self, message: str, branch: Branch | None = None) -> None:
+        super().__init__(message)
+        self.branch = branch
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), (str(self), self.branch))
 
 
 class PlanError(RRRobotError, RuntimeError):

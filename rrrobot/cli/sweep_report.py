@@ -34,8 +34,9 @@ def summary(ds: xr.Dataset, seconds: float) -> dict[str, Any]:
         "title": ds.attrs["title"],
         "gaits": status.size,
         "sizes": {str(dim): size for dim, size in ds.sizes.items() if dim in ds.speed.dims},
-        "cycles": ds.attrs["cycles"],
-        "counted": ds.attrs["counted"],
+        "settle": ds.attrs.get("settle", "cycles"),
+        "cycles": ds.attrs.get("cycles"),
+        "counted": ds.attrs.get("counted"),
         "seconds": seconds,
         "status": {word: int((status == code).sum()) for code, word in STATUS.items()},
         "unsettled": int((ds.variation > SETTLED).sum()),
@@ -73,7 +74,9 @@ def table(data: dict[str, Any]) -> str:
         ("sweep", data["title"]),
         ("gaits", f"{data['gaits']}: {sizes}" if sizes else "1"),
         ("time", f"{data['seconds']:.2f} s, {rate:.0f} gaits/s"),
-        ("cycles", f"{data['cycles']}, the last {data['counted']} counted"),
+        ("settled by", "their limit cycles")
+        if data["settle"] == "orbit"
+        else ("cycles", f"{data['cycles']}, the last {data['counted']} counted"),
     ]
     for word, count in data["status"].items():
         if count and word != "steady_state":

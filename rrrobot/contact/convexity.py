@@ -43,8 +43,8 @@ def check_convex(surface: Surface) -> float:
 
     Example:
         >>> import rrrobot as rr
-        >>> rr.contact.check_convex(rr.Ellipsoid((0.2, 0.1, 0.1))).round(4)
-        np.float64(0.05)
+        >>> round(rr.contact.check_convex(rr.Ellipsoid((0.2, 0.1, 0.1))), 4)
+        0.05
     """
     directions = sphere_directions(_DIRECTIONS)
     for u in directions[:: _DIRECTIONS // 25]:

@@ -33,8 +33,8 @@ class EllipsoidSum(Surface):
     Example:
         >>> import numpy as np, rrrobot as rr
         >>> box = rr.EllipsoidSum([(0.06, 0.06, 0.06), (0.06, 0.05, 0.06), (0.06, 0.06, 0.03)])
-        >>> box.support(np.array([0.0, 0.0, -1.0])).round(9)
-        np.float64(0.15)
+        >>> round(box.support(np.array([0.0, 0.0, -1.0])), 9)
+        0.15
     """
 
     semi_axes: tuple[tuple[float, float, float], ...]

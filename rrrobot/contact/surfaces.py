@@ -52,8 +52,8 @@ class Surface(ABC):
         ...         return 0.12 * round_part + 0.03 * bump
         ...     def to_dict(self):
         ...         return {"type": "egg"}
-        >>> rr.contact.check_convex(Egg()).round(3)
-        np.float64(0.06)
+        >>> round(rr.contact.check_convex(Egg()), 3)
+        0.06
     """
 
     @abstractmethod

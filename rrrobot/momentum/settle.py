@@ -82,9 +82,9 @@ def settle(  # type: ignore[no-untyped-def]
             work.ends[i] = cycles[g]
             for s in range(N_STATE):
                 work.h[s * LANES + i] = 2.0 * np.pi / gaits[3][g] / n_steps
-        _tabulate(tree, gaits, first, turns, work, work.table)
+        tabulate(tree, gaits, first, turns, work, work.table)
         if axis == DECOUPLED:
-            _tabulate(tree, yaw_gaits, first, turns, work, work.other)
+            tabulate(tree, yaw_gaits, first, turns, work, work.other)
             for r in range(len(work.table)):
                 for i in range(LANES):
                     work.table[r, 5 * LANES + i] = work.other[r, 5 * LANES + i]
@@ -114,7 +114,7 @@ def settle(  # type: ignore[no-untyped-def]
 
 
 @inner
-def _tabulate(tree, gaits, first, turns, work, table):  # type: ignore[no-untyped-def]
+def tabulate(tree, gaits, first, turns, work, table):  # type: ignore[no-untyped-def]
     """Coefficients of LANES gaits over their periods (rows, 15 LANES)."""
     offset, sine, cosine, omega = gaits
     n, legs = offset.shape

@@ -17,6 +17,7 @@ from rrrobot.robot.robot import Robot
 from rrrobot.simulation.evaluate import trajectory_of
 from rrrobot.simulation.flow import Flow
 from rrrobot.simulation.run import raise_if_stopped
+from rrrobot.simulation.state import State
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.simulation.watch import watch
 
@@ -47,6 +48,7 @@ def decoupled(
     roll: RollModel | None = None,
     pitch: PitchModel | None = None,
     yaw: YawModel | None = None,
+    state: State | None = None,
     step: float | None = None,
     rtol: float | None = None,
     atol: float | None = None,
@@ -69,6 +71,8 @@ def decoupled(
         yaw_gait: leg motion of the yaw model alone, such as the gait with the amplitude that
             `matching_yaw_amplitude` gives (the paper's Fig 20); `gait` if None.
         roll, pitch, yaw: the models, with other dampings than the paper's.
+        state: of `DecoupledModels` to go on from, such as another run's `final_state`, instead of
+            an impulsive start.
         step, rtol, atol, progress: as for `simulate`.
 
     Raises:
@@ -89,9 +93,10 @@ def decoupled(
     periods = [each.period / 12 for each in (gait, own) if each.period is not None]
     longest = min([*(part.max_step for part in (model.roll, model.pitch)), *periods])
     drive = gait if yaw_gait is None else _Apart(gait, own)
-    times = sample_times(duration, sample_interval)
     flow = Flow(model, drive, step=step, rtol=rtol, atol=atol, max_step=longest)
-    found = flow.evolve(0.0, times[-1], flow.start(), samples=times, progress=progress)
+    begin = flow.start() if state is None else state
+    times = sample_times(duration, sample_interval, begin.time)
+    found = flow.evolve(begin.time, times[-1], begin, samples=times, progress=progress)
     settings = {"evaluations": found.run.evaluations} | flow.stepping.to_dict()
     trajectory = trajectory_of(flow, found, settings)
     gaits = {"gait": gait.to_dict(), "yaw_gait": own.to_dict()}

@@ -37,6 +37,8 @@ STATUS = {
     3: "lifts_off",
     4: "ground_ends",
     5: "touches_twice",
+    6: "orbit_unstable",
+    7: "no_orbit_found",
 }
 """What the numbers of the variable `status` mean; results are NaN unless it is 0."""
 
