@@ -77,10 +77,8 @@ from rrrobot.robot.robot import Robot as Robot
 from rrrobot.robot.urdf import rrrobot_urdf as rrrobot_urdf
 from rrrobot.robot.urdf import urdf_path as urdf_path
 from rrrobot.serial import register as register
-from rrrobot.simulation.flow import Flow as Flow
 from rrrobot.simulation.recombined import decoupled as decoupled
 from rrrobot.simulation.run import simulate as simulate
-from rrrobot.simulation.state import State as State
 from rrrobot.simulation.steady import SteadyState as SteadyState
 from rrrobot.simulation.trajectory import Trajectory as Trajectory
 from rrrobot.steering.planner import plan as plan

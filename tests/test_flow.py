@@ -80,7 +80,7 @@ def test_states_of_another_kind_are_refused():
         rr.simulate(MODELS["full"], GAIT, 0.1, state=state, euler=(0.1, 0, 0))
     with pytest.raises(rr.ParameterError, match="must be a State"):
         rr.simulate(MODELS["full"], GAIT, 0.1, state=state.vector)
-    flow = rr.Flow(MODELS["full"], GAIT)
+    flow = rr.simulation.Flow(MODELS["full"], GAIT)
     with pytest.raises(rr.ParameterError, match=r"t0 is 0\.0 s, and the state is at 0.1 s"):
         flow.evolve(0.0, 1.0, state)
     assert flow.evolve(0.0, 0.1, state.at(0.0)).state.time == 0.1
@@ -88,7 +88,7 @@ def test_states_of_another_kind_are_refused():
 
 def test_a_state_from_an_array_goes_on():
     whole = rr.simulate(MODELS["full"], GAIT, 1.0, step=0.01)
-    state = rr.State.from_array(MODELS["full"], whole.state[50], time=0.5)
+    state = rr.simulation.State.from_array(MODELS["full"], whole.state[50], time=0.5)
     second = rr.simulate(MODELS["full"], GAIT, 0.5, state=state, step=0.01)
     np.testing.assert_array_equal(second.state, whole.state[50:])
 

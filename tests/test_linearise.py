@@ -70,8 +70,8 @@ def test_about_a_motion():
     expected[:, 7:10] = np.eye(3)
     np.testing.assert_allclose(A[:3], expected, atol=1e-10)
     # Torques act by the inverse of the inertia: twice the torque deviation, twice the effect.
-    flow = rr.Flow(model, rr.LegTorques((0.02 + 1.0, -0.01), angle=(1, 1)))
-    near = rr.Flow(model, hold)
+    flow = rr.simulation.Flow(model, rr.LegTorques((0.02 + 1.0, -0.01), angle=(1, 1)))
+    near = rr.simulation.Flow(model, hold)
     pose, quasi, legs = model.split(state)
     moving = {"leg_angle": legs[:2], "leg_rate": legs[2:]}
     a = [

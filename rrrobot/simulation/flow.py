@@ -70,7 +70,7 @@ class Flow:
     Example:
         >>> import rrrobot as rr
         >>> model, gait = rr.FullModel(rr.Robot.from_parameters()), rr.gait("circular")
-        >>> flow = rr.Flow(model, gait)
+        >>> flow = rr.simulation.Flow(model, gait)
         >>> end = flow.evolve(0.0, gait.period, flow.start()).state
         >>> round(end.time, 6) == round(gait.period, 6)
         True

@@ -74,7 +74,9 @@ class State:
         if np.size(array) != size:
             size += 2 * model.n_legs
         y = vector("state", array, size)
-        angles = model_euler(model, y[None])[0]
+        pose = y[None, : model.n_pose]
+        near = np.atleast_2d(euler_from_quaternion(model.quaternions(pose)))[0]
+        angles = model.turned(pose, near)[0]
         if euler is not None:
             angles = vector("euler", euler, 3, "rad", labels=("roll", "pitch", "yaw"))
         return cls(
@@ -120,9 +122,3 @@ class State:
     def __repr__(self) -> str:
         name = self.model.get("type", self.model.get("name"))
         return f"State({name} model of {self.robot.name} at {self.time:g} s)"
-
-
-def model_euler(model: Model, states: Array) -> Array:
-    """Roll, pitch, yaw (n, 3) [rad] of states (n, ny), without whole turns where the model's
-    coordinates do not count them."""
-    return np.atleast_2d(euler_from_quaternion(model.quaternions(states[:, : model.n_pose])))
