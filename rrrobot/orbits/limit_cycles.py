@@ -14,7 +14,6 @@ from rrrobot.drive.gaits import Gait
 from rrrobot.orbits.found import Found, find, prepared
 from rrrobot.rotations import euler_rates
 from rrrobot.simulation.run import simulate
-from rrrobot.simulation.state import State
 from rrrobot.simulation.trajectory import Trajectory
 
 

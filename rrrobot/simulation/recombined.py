@@ -17,7 +17,6 @@ from rrrobot.robot.robot import Robot
 from rrrobot.simulation.evaluate import trajectory_of
 from rrrobot.simulation.flow import Flow
 from rrrobot.simulation.run import raise_if_stopped
-from rrrobot.simulation.state import State
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.simulation.watch import watch
 
