@@ -65,7 +65,7 @@ from rrrobot.simulation.recombined import decoupled as decoupled
 from rrrobot.simulation.run import simulate as simulate
 from rrrobot.simulation.steady import SteadyState as SteadyState
 from rrrobot.simulation.trajectory import Trajectory as Trajectory
-from rrrobot.steering.planner import Plan as Plan
+from rrrobot.steering.planned import Plan as Plan
 from rrrobot.steering.planner import plan as plan
 from rrrobot.studies.optimisation.pareto import pareto_front as pareto_front
 from rrrobot.studies.optimisation.run import optimise as optimise

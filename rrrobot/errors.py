@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from rrrobot.simulation.trajectory import Trajectory
-    from rrrobot.steering.planner import Plan
+    from rrrobot.steering.planned import Plan
 
 
 class RRRobotError(Exception):

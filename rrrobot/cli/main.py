@@ -16,6 +16,7 @@ import click
 from rrrobot.cli.compare import compare_command, periods
 from rrrobot.cli.gait import gait_command
 from rrrobot.cli.optimise import optimise_command
+from rrrobot.cli.plan import plan_command
 from rrrobot.cli.reduce import reduce_command
 from rrrobot.cli.reproduce import reproduce_command
 from rrrobot.cli.simulate import simulate
@@ -69,6 +70,7 @@ for _command in (
     reduce_command,
     reproduce_command,
     optimise_command,
+    plan_command,
     gait_command,
     view,
     robots,

@@ -1,0 +1,165 @@
+"""A plan: leg motions that lead a robot from rest at a pose to rest at another."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rrrobot.checks import Array
+from rrrobot.drive.schedule import Schedule
+from rrrobot.errors import OutputError
+from rrrobot.files import write_whole
+from rrrobot.inline import html_table
+from rrrobot.models import model_from_dict
+from rrrobot.models.base import Model
+from rrrobot.robot.robot import Robot
+from rrrobot.simulation.run import simulate
+from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.steering.obstacles import Obstacle, obstacle_from_dict
+from rrrobot.steering.shooting import Rest, gap
+
+FORMAT = "rrrobot plan 1"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Plan:
+    """Leg motions that lead a robot from a resting pose to another.
+
+    Attributes:
+        model: that it was planned for.
+        gait: the schedule, a `Gait` like any other.
+        duration: until the body is at rest [s]; the legs are it at `gait.duration`.
+        start, goal: (x, y, yaw) [m, m, rad].
+        predicted: where the exact motion ends (3,).
+        path: the coarse plan, poses (n, 3).
+        lower_bound: time that no plan of these gaits can beat: distance and turn at the highest
+            speed and yaw rate [s].
+        obstacles, margin: what was kept clear, and how far [m].
+        rest: how the body stands at the start.
+    """
+
+    model: Model = field(repr=False)
+    gait: Schedule
+    duration: float
+    start: Array
+    goal: Array
+    predicted: Array
+    path: Array = field(repr=False)
+    lower_bound: float
+    obstacles: tuple[Obstacle, ...] = field(default=(), repr=False)
+    margin: float = 0.0
+    rest: Rest = field(repr=False)
+
+    @property
+    def error(self) -> Array:
+        """Predicted minus wanted pose (3,), the angle between -pi and pi."""
+        return gap(self.predicted.copy(), self.goal)
+
+    def execute(
+        self,
+        model: Model | None = None,
+        *,
+        method: str = "kkt",
+        sample_interval: float = 0.02,
+        progress: Any = None,
+    ) -> Trajectory:
+        """Simulate it from rest on the model it was planned for, or on another.
+
+        Args:
+            model: such as one with other masses; the plan's own unless given.
+            method, sample_interval, progress: as for `simulate`.
+        """
+        model = self.model if model is None else model
+        return simulate(
+            model, self.gait, self.duration, sample_interval, start="rest", method=method,
+            euler=self.rest.euler + np.array((0.0, 0.0, self.start[2])), position=self.start[:2],
+            progress=progress,
+        )  # fmt: skip
+
+    def to_dict(self) -> dict[str, Any]:
+        """Schedule, poses and times as plain data."""
+        return {
+            "gait": self.gait.to_dict(),
+            "duration": self.duration,
+            "start": self.start.tolist(),
+            "goal": self.goal.tolist(),
+            "predicted": self.predicted.tolist(),
+            "error": self.error.tolist(),
+            "lower_bound": self.lower_bound,
+            "obstacles": [o.to_dict() for o in self.obstacles],
+            "margin": self.margin,
+        }
+
+    def plot(self, trajectory: Trajectory | None = None, ax: Any = None) -> Any:
+        """Draw the coarse path, the exact one, obstacles and margins.
+
+        Args:
+            trajectory: the exact motion; simulated unless given.
+            ax: matplotlib axes; new ones unless given.
+
+        Returns:
+            the Axes.
+        """
+        from rrrobot.steering.plots import plan_panel
+
+        return plan_panel(self, trajectory, ax)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the plan with its robot and model as a .json file; `load` is the inverse.
+
+        The file is a gait's too: `read_gait` and `--gait` of every command take its schedule.
+
+        Raises:
+            OutputError: the file cannot be written, or its name does not end in .json.
+        """
+        target = Path(path)
+        if target.suffix.lower() != ".json":
+            raise OutputError(f"cannot write {str(target)!r}: a plan's file ends in .json.")
+        data = {
+            "format": FORMAT,
+            "robot": self.model.robot.to_dict(),
+            "model": self.model.to_dict(),
+            "path": self.path.tolist(),
+            "rest": {key: np.asarray(x).tolist() for key, x in self.rest._asdict().items()},
+            **self.to_dict(),
+        }
+        return write_whole(target, (json.dumps(data, indent=1) + "\n").encode())
+
+    @classmethod
+    def load(cls, path: str | Path) -> Plan:
+        """Read what `save` wrote; it runs as it did, to the last bit.
+
+        Raises:
+            OutputError: the file is missing, damaged, or no plan.
+        """
+        try:
+            data = json.loads(Path(path).read_text(encoding="utf-8"))
+            if data["format"] != FORMAT:
+                raise ValueError(f"its format is {data['format']!r}, not {FORMAT!r}")
+            rest = Rest(
+                np.array(data["rest"]["leg_angle"]),
+                np.array(data["rest"]["euler"]),
+                float(data["rest"]["settling"]),
+            )
+            parts: dict[str, Any] = {
+                key: np.array(data[key]) for key in ("start", "goal", "predicted", "path")
+            }
+            parts |= {key: float(data[key]) for key in ("duration", "lower_bound", "margin")}
+            return cls(
+                model=model_from_dict(data["model"], Robot.from_dict(data["robot"])),
+                gait=Schedule.from_dict(data["gait"]),
+                obstacles=tuple(obstacle_from_dict(o) for o in data["obstacles"]),
+                rest=rest,
+                **parts,
+            )
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+            raise OutputError(
+                f"{str(path)!r} is not a plan that rrrobot saved: {str(error).rstrip('.')}."
+            ) from None
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self), {}, figure=self.plot().figure)
