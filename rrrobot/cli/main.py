@@ -14,6 +14,8 @@ from typing import Any, NoReturn
 import click
 
 from rrrobot.cli.compare import compare_command, periods
+from rrrobot.cli.fit import fit_command
+from rrrobot.cli.follow import follow_command
 from rrrobot.cli.gait import gait_command
 from rrrobot.cli.optimise import optimise_command
 from rrrobot.cli.plan import plan_command
@@ -71,6 +73,8 @@ for _command in (
     reproduce_command,
     optimise_command,
     plan_command,
+    follow_command,
+    fit_command,
     gait_command,
     view,
     robots,

@@ -15,6 +15,7 @@ from rrrobot.steering.obstacles import Disc, Obstacle
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
+    from rrrobot.steering.following import Following
     from rrrobot.steering.planned import Plan
 
 
@@ -94,3 +95,20 @@ def frame(ax: Axes, **labels: Any) -> None:
     ax.set_aspect("equal", adjustable="datalim")
     ax.margins(0.08)
     legend_above(ax, columns=3)
+
+
+def following_panel(run: Following, ax: Axes | None = None) -> Axes:
+    """The path, and the robot's mean way along it.
+
+    Args:
+        run: of `follow`.
+        ax: new ones unless given.
+    """
+    axes = new_axes() if ax is None else ax
+    points = run.track.points
+    ring = np.vstack((points, points[:1])) if run.track.closed else points
+    axes.plot(*ring.T, **line(1), label="path")
+    axes.plot(*run.mean[:, :2].T, **line(0), label="mean of a cycle")
+    axes.plot(*run.end[:2], "s", color=BLACK, markersize=5, linestyle="none", label="end")
+    frame(axes)
+    return axes
