@@ -8,9 +8,11 @@ from click.testing import CliRunner
 
 import rrrobot as rr
 from rrrobot.cli.main import cli
+from rrrobot.drive.schedule import Schedule, stretch
 from rrrobot.steering import Gear, MeasuredRun, Sensor, Track, follow, identify, reach
 from rrrobot.steering.gears import GEARS
 from rrrobot.steering.motions import motions_of
+from rrrobot.steering.shooting import rest_of
 
 NOISE = (1e-3, np.deg2rad(0.5))
 OTHER = rr.RRRobotParameters(
@@ -56,7 +58,7 @@ def test_gears_do_what_they_say(model, name):
 def test_gears_are_smooth_and_bounded(model, name):
     gear = Gear(motions_of(model), name)
     low, high = gear.curvature
-    found = [gear.drive(0.005, k) for k in np.linspace(0.9 * low, 0.9 * high, 400)]
+    found = [gear.drive(0.005, k) for k in np.linspace(0.7 * low, 0.7 * high, 400)]
     for key in ("offset", "amplitude", "phase_difference"):
         assert np.abs(np.diff([getattr(d, key) for d in found])).max() < 0.05
     beyond = gear.drive(1.0, 2 * high)
@@ -70,7 +72,7 @@ def test_nearest_points():
     # To the left of a counter-clockwise circle is within.
     assert near.aside == pytest.approx(0.05, abs=1e-4)
     assert near.course == pytest.approx(np.pi / 2, abs=0.01)
-    assert near.curvature == pytest.approx(1 / 0.3, rel=0.02)
+    assert near.curvature == pytest.approx(1 / 0.3, rel=0.06)
     eight = Track.eight(0.5)
     # At the crossing each branch is its own.
     for along, course in ((0.0, np.pi / 4), (eight.length / 2, 3 * np.pi / 4)):
@@ -102,12 +104,16 @@ def _yaw(model):
     return near.course - gear.drive(0.008, near.curvature).course
 
 
-def test_corners_and_sideways(model):
+def test_corners_and_backward(model):
     run = follow(model, Track([(0, 0), (0.25, 0), (0.25, 0.2)]), 200.0)
-    assert run.stopped is None and run.rms < 0.006
-    assert np.hypot(*(run.end[:2] - (0.25, 0.2))) < 0.03
-    side = follow(model, Track.circle((0, 0), 0.5), 60.0, gear="left")
-    assert side.rms < 0.006 and np.linalg.norm(np.diff(side.mean[-9:, :2], axis=0)).sum() > 0.05
+    # A corner is rounded: the smallest radius is 5 cm.
+    assert run.stopped is None and run.rms < 0.012
+    assert np.abs(run.error[-8:]).max() < 0.012
+    assert np.hypot(*(run.end[:2] - (0.25, 0.2))) < 0.05
+    back = follow(model, Track.circle((0, 0), 0.2), 60.0, gear="backward")
+    assert back.rms < 0.005 and np.linalg.norm(np.diff(back.mean[-9:, :2], axis=0)).sum() > 0.03
+    with pytest.raises(rr.ParameterError, match="forward or backward"):
+        follow(model, Track.eight(), 60.0, gear="left")
 
 
 def test_a_start_aside(model):
@@ -128,7 +134,8 @@ def test_lost_measurements_stop_the_legs_smoothly(model, fault):
 
 
 def measured(model, gait, duration, seed=None):
-    t = rr.simulate(model, gait, duration, 0.05, start="rest", method="momentum")
+    euler = rest_of(model, gait(0.0).angle).euler
+    t = rr.simulate(model, gait, duration, 0.02, start="rest", euler=euler, method="momentum")
     pose = np.column_stack((t.position, t.euler[:, 2]))
     if seed is not None:
         pose += np.random.default_rng(seed).normal(size=pose.shape) * (NOISE[0], *NOISE)
@@ -136,7 +143,13 @@ def measured(model, gait, duration, seed=None):
 
 
 def test_a_run_tells_the_robot(other, tmp_path):
-    gait = rr.RampIn(rr.gait("circular"), 3.0)
+    gait = Schedule(
+        [
+            stretch(8, offset=(0.3, 0.3), amplitude=0.4, phase=(0, 2.0)),
+            stretch(8, offset=(1.57, 1.57), amplitude=0.5, phase=(0, 1.7)),
+        ],
+        angular_frequency=8.0, rest=(np.pi / 2,) * 2, blend=2.0,
+    )  # fmt: skip
     names = ("damping", "leg_mass", "battery_mass", "shell_radius")
     exact = identify(measured(other, gait, 25.0), free=names)
     want = (0.013, 0.0555, 0.0588, 0.29, 0.1215)

@@ -23,8 +23,7 @@ from rrrobot.files import check_writable
 from rrrobot.models.full import FullModel
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.robot import Robot
-from rrrobot.steering.following import follow
-from rrrobot.steering.gears import GEARS
+from rrrobot.steering.following import STEERED, follow
 from rrrobot.steering.robots import Sensor
 from rrrobot.steering.tracks import Track
 
@@ -112,8 +111,8 @@ class TruthOptions(Group):
     "--duration", type=NUMBER, default="120", show_default=True, help="Until the legs stop [s]."
 )
 @click.option(
-    "--gear", type=click.Choice(GEARS), default="forward", show_default=True,
-    help="Direction of travel in the body's axes; left and right are twice as fast, but turn less.",
+    "--gear", type=click.Choice(STEERED), default="forward", show_default=True,
+    help="Direction of travel: along the body's x axis, or against it.",
 )  # fmt: skip
 @click.option("--speed", type=NUMBER, help="[m/s]; 0.8 of what the sharpest bend allows.")
 @takes(
@@ -152,7 +151,7 @@ def follow_command(
     Examples:
       rrrobot follow --eight 0.5 --duration 600 --plot eight.png
       rrrobot follow --path "0,0 0.3,0 0.3,0.3" --true leg_mass=1.05 --noise 0.001,pi/360 --delay 1
-      rrrobot follow --circle 0,0,0.2 --gear left --ground slope:2
+      rrrobot follow --circle 0,0,0.2 --gear backward --ground slope:2
     """
     if save is not None and Path(save).suffix.lower() != ".json":
         raise OutputError(f"cannot write {save!r}: --save ends in .json.")

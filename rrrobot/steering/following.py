@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite, vector
 from rrrobot.drive.schedule import Schedule
+from rrrobot.errors import ParameterError
 from rrrobot.models.base import Model
 from rrrobot.steering.arcs import move
 from rrrobot.steering.gears import Drive, Gear
@@ -28,6 +29,8 @@ from rrrobot.steering.tracks import Track
 
 _STIFFNESS, _DAMPING = 0.08, 0.5
 """a v^2 [1/s^2] and b [1/s] of the error's equation."""
+STEERED = ("forward", "backward")
+"""Gears that answer within a cycle; sideways a turn of the offset takes longer to act."""
 _LEARN = 0.06
 """Share of a surprise in a cycle that is taken for lasting."""
 _JUMP, _PATIENCE = 0.08, 3
@@ -160,8 +163,7 @@ def follow(
         duration: after which the legs are stopped [s]; at the end of an open path before.
         truth: the robot that is driven, of any ground; the believed one unless given.
         start: (x, y, yaw) at rest; on the path, along it, unless given.
-        gear: direction of travel in the body's axes: "forward" (x), "backward", "left" (y) or
-            "right".
+        gear: direction of travel in the body's axes: "forward" (x) or "backward".
         speed: [m/s]; 0.8 of the highest at the path's sharpest bend unless given.
         amplitude, angular_frequency, rest: as for `plan`.
         sensor: noise and delay of the measured pose; none unless given.
@@ -185,6 +187,8 @@ def follow(
         (True, None)
     """
     finite("duration", duration, "s", above=0)
+    if gear not in STEERED:
+        raise ParameterError(f"gear is {gear!r}: a path is followed in {' or '.join(STEERED)}.")
     seer = Sensor() if sensor is None else sensor
     legs = np.full(2, np.pi / 2) if rest is None else vector("rest", rest, 2, "rad")
     motions = motions_of(

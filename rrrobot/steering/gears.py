@@ -55,7 +55,7 @@ class Gear:
         name: "forward", "backward", "left" or "right".
 
     Attributes:
-        curvature: lowest and highest that are reached (2,) [1/m].
+        curvature: lowest and highest that are reached at the largest amplitude (2,) [1/m].
 
     Raises:
         ParameterError: another name.
@@ -116,9 +116,11 @@ class Gear:
         """
         r = 1.0
         for _ in range(20):
+            # At small amplitudes the outermost gaits turn back.
             k = self._curvatures(r)
-            order = 1 if k[-1] > k[0] else -1
-            q = float(np.interp(curvature, k[::order], self._q[::order]))
+            good = _rising(k)
+            order = 1 if k[good][-1] > k[good][0] else -1
+            q = float(np.interp(curvature, k[good][::order], self._q[good][::order]))
             c0, c1 = self._c0(q), self._c1(q)
             # |twist| at r, solved for the speed by Newton's method.
             size = float(np.hypot(*(r * (c0 + c1 * r))[:2]))

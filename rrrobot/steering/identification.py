@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.interpolate import CubicSpline
+from scipy.interpolate import make_interp_spline
 
 from rrrobot.checks import Array, finite
 from rrrobot.errors import OutputError, ParameterError, RRRobotError
@@ -133,7 +133,7 @@ def identify(
     *,
     free: Sequence[str] = FREE,
     noise: tuple[float, float] | None = None,
-    rounds: int = 12,
+    rounds: int = 40,
 ) -> Fit:
     """Fit RRRobot's parameters to a measured run.
 
@@ -172,7 +172,7 @@ def identify(
     p = np.array([_get(start, name) for name in names])
     first = run.pose[0].copy()
     scale = (1e-3, 1e-2) if noise is None else noise
-    damp = 1e-3
+    damp = 1e-6
     best, jacobian = _misses(drive, run, start, names, p, first, scale)
     for _ in range(rounds):
         square = jacobian.T @ jacobian
@@ -236,8 +236,8 @@ class _Legs:
             for t, gap, n in zip(run.time, gaps, count, strict=False)
         ]
         instants = np.append(np.concatenate(rows), run.time[-1])
-        spline = CubicSpline(run.time, run.leg_angle, bc_type="natural")
-        self.angle, self.rate = spline(instants), spline(instants, 1)
+        spline = make_interp_spline(run.time, run.leg_angle, k=5)
+        self.angle, self.rate = spline(instants), spline.derivative()(instants)
         self.rest = run.leg_angle[0]
 
     def poses(self, parameters: RRRobotParameters) -> Array:

@@ -27,6 +27,8 @@ from rrrobot.steering.shooting import gap, off, rest_of
 
 _INTERVAL = 0.1
 """Between measurements [s]."""
+_LEARNT = ("damping", "leg_mass", "servo_mass", "shell_radius")
+"""All that poses tell: the battery fixes the scale of the masses."""
 _STANDING = 20
 """Measurements of the resting pose that are averaged."""
 
@@ -154,7 +156,7 @@ def _learnt(
     run = MeasuredRun(time=t.time, pose=seen, leg_angle=t.leg_angle)
     noise = (max(seer.place, 1e-4), max(seer.yaw, 1e-3))
     try:
-        found = identify(run, parameters, noise=noise)
+        found = identify(run, parameters, free=_LEARNT, noise=noise)
     except (RRRobotError, np.linalg.LinAlgError):
         return believed, float("nan")
     return FullModel(Robot.from_parameters(found.parameters)), found.misfit
