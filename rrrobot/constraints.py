@@ -12,8 +12,9 @@ of the paper, are nonholonomic. As J v = 0 and, differentiated, J a + gamma = 0 
 
     J = J_c - [rho] J_Omega,      gamma = a_c + alpha x rho + Omega x rho_dot   at zero v_dot,
 
-a_c the classical (not spatial) acceleration of the centre. rho_dot is that of the contact point,
-which moves over the body; for a sphere it is zero.
+a_c the classical (not spatial) acceleration of the centre. rho_dot = Omega x rho + P_dot is that of
+the contact point, which moves over the body with the curvatures of both shell and ground; for a
+sphere on a plane it is zero.
 
 `contact_point`, `contact_jacobian` and `contact_drift` are plain functions of any Pinocchio model
 with a round body; `RollingContact` is the same for repeated use.
@@ -31,8 +32,9 @@ from numpy.typing import ArrayLike, NDArray
 from rrrobot.checks import Array
 from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.surfaces import SHELL_FRAME, Surface
+from rrrobot.contact.touching import Contact, check_pair, contact_rate, touch_near
 from rrrobot.drive.gaits import LegMotion
-from rrrobot.errors import ConstraintError
+from rrrobot.errors import ConstraintError, ParameterError
 from rrrobot.kkt import ConstraintRows
 from rrrobot.rotations import skew
 
@@ -52,6 +54,8 @@ class Instant(NamedTuple):
     """[s]"""
     legs: LegMotion | None = None
     """prescribed motion of the legs, if they are prescribed"""
+    contact: Contact | None = None
+    """where the shell touches the ground, if the pose says so"""
 
 
 class Constraint(ABC):
@@ -94,7 +98,8 @@ class RollingContact(Constraint):
     """No-slip rolling of a body's shell on the ground; its force is the contact force.
 
     On a plane, rows are along the columns (t1, t2, n) of its basis; on level ground, along x, y
-    and z. Rows 0 and 1 are nonholonomic, row 2 is holonomic.
+    and z. Rows 0 and 1 are nonholonomic, row 2 is holonomic. On curved ground, rows are along x, y
+    and z, and only their sum along the momentary normal is holonomic.
 
     Args:
         model: Pinocchio model.
@@ -124,19 +129,20 @@ class RollingContact(Constraint):
         name: str = "contact",
     ) -> None:
         self.model = model
-        self.frame_id = frame_id
+        self.frame_id = _existing(model, frame_id)
         self.surface = surface
         self.name = name
         self.ground = ground = Plane() if ground is None else ground
-        if not isinstance(ground, Plane):
-            raise ConstraintError(f"rolling on {ground!r} is not known: it must be a Plane.")
-        self.normal, self.basis = ground.normal_vector, ground.basis
+        check_pair(surface, ground)
         self.imposed = rows
-        self.holonomic = np.array([row == 2 for row in rows])
-        self._project = self.basis.T[list(rows)]
+        flat = isinstance(ground, Plane)
+        self.holonomic = np.array([flat and row == 2 for row in rows])
+        basis = ground.basis if isinstance(ground, Plane) else np.eye(3)
+        self._project = basis.T[list(rows)]
         self._level = bool(np.array_equal(self._project, np.eye(3)))
-        # The arm of a sphere is the same at every orientation.
-        fixed = surface.fixed_arm(self.normal)
+        # The arm of a sphere on a plane is the same at every orientation.
+        normal = ground.fixed_normal
+        fixed = None if normal is None else surface.fixed_arm(normal)
         self._fixed_arm = None if fixed is None else skew(fixed)
 
     @classmethod
@@ -153,9 +159,11 @@ class RollingContact(Constraint):
         arm = self._fixed_arm
         if arm is None:
             rotation, omega = placement.rotation, spatial[3:] @ at.v
-            arm = skew(self.surface.arm(rotation, self.normal))
-            arm_rate = self.surface.arm_rate(rotation, omega, self.normal)
-            drift = acceleration.linear - arm @ acceleration.angular + skew(omega) @ arm_rate
+            contact = at.contact or self._found(placement)
+            arm, turning = skew(contact.arm), skew(omega)
+            moving = contact_rate(self.surface, self.ground, rotation, omega, contact)
+            arm_rate = turning @ contact.arm + moving
+            drift = acceleration.linear - arm @ acceleration.angular + turning @ arm_rate
         else:
             drift = acceleration.linear - arm @ acceleration.angular
         jacobian = spatial[:3] - arm @ spatial[3:]
@@ -169,10 +177,14 @@ class RollingContact(Constraint):
         return bool(self.holonomic.size == 3)
 
     def height(self, data: pin.Data) -> float:
-        """Height of the shell's lowest point over the plane [m], after `evaluate`; zero on it."""
+        """Height of the shell's lowest point over the ground [m], after `evaluate`; zero on it."""
         placement = data.oMf[self.frame_id]
-        arm = self.surface.arm(placement.rotation, self.normal)
-        return float(self.normal @ (placement.translation + arm))
+        contact = self._found(placement)
+        return float(contact.normal @ (placement.translation + contact.arm - contact.point))
+
+    def _found(self, placement: pin.SE3) -> Contact:
+        """The contact, from where the shell stands alone."""
+        return touch_near(self.surface, self.ground, placement.rotation, placement.translation)
 
     def force(self, multipliers: Array) -> Array:
         """Contact force on the body in the world frame (3,) [N] of the rows' multipliers."""
@@ -209,6 +221,22 @@ class PrescribedJoints(Constraint):
         return ConstraintRows(self.jacobian, -acceleration, at.v[self.index] - rate)
 
 
+def _existing(model: pin.Model, frame_id: int) -> int:
+    """A frame's number, if the model has it: Pinocchio ends the process over one that it has not.
+
+    Raises:
+        ParameterError: there is no such frame; `getFrameId` gives such a number for a wrong name.
+    """
+    if isinstance(frame_id, bool) or not 0 <= int(frame_id) < model.nframes:
+        names = [frame.name for frame in model.frames]
+        few = ", ".join(names[:20]) + (", ..." if len(names) > 20 else "")
+        raise ParameterError(
+            f"the model has no frame {frame_id!r}: it has {model.nframes} frames, and getFrameId "
+            f"of a name that it does not have gives that number. Its frames are: {few}."
+        )
+    return int(frame_id)
+
+
 def contact_point(
     model: pin.Model,
     q: Array,
@@ -232,7 +260,7 @@ def contact_point(
     data = data or model.createData()
     n = Plane(normal).normal_vector
     pin.forwardKinematics(model, data, q)
-    placement = pin.updateFramePlacement(model, data, frame_id)
+    placement = pin.updateFramePlacement(model, data, _existing(model, frame_id))
     return placement.translation + surface.arm(placement.rotation, n)
 
 

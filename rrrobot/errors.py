@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rrrobot.orbits.branches import Branch
     from rrrobot.simulation.trajectory import Trajectory
-    from rrrobot.steering.planned import Plan
+    from rrrobot.steering.plans import Plan
 
 
 class RRRobotError(Exception):
@@ -47,6 +48,10 @@ class ModelError(RRRobotError, ValueError):
 
 class ConstraintError(RRRobotError, ArithmeticError):
     """The KKT system is singular or not finite."""
+
+
+class OrbitError(RRRobotError, ArithmeticError):
+    """No motion that repeats was found, or it leaves what the model can describe."""
 
 
 class OutputError(RRRobotError, OSError):
@@ -103,6 +108,17 @@ class SweepInterrupted(RRRobotError, RuntimeError, KeyboardInterrupt):
         return (type(self), (str(self), self.dataset))
 
 
+class BranchInterrupted(RRRobotError, RuntimeError, KeyboardInterrupt):
+    """Ctrl-C while a branch was followed; `branch` holds its points so far."""
+
+    def __init__(self, message: str, branch: Branch | None = None) -> None:
+        super().__init__(message)
+        self.branch = branch
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), (str(self), self.branch))
+
+
 class PlanError(RRRobotError, RuntimeError):
     """No plan was found.
 
@@ -120,3 +136,11 @@ class PlanError(RRRobotError, RuntimeError):
 
 class GroundClearanceWarning(UserWarning):
     """A leg can touch the ground, which no model here takes into account."""
+
+
+class UrdfWarning(UserWarning):
+    """A robot's file says what no body can have, or what no model here takes into account."""
+
+
+class LimitWarning(UserWarning):
+    """A motion passes a limit that the robot's file sets to a joint."""

@@ -27,7 +27,7 @@ def register(name: str) -> Callable[[type[T]], type[T]]:
 
     Example:
         >>> import rrrobot as rr
-        >>> from rrrobot.contact.surfaces import surface_from_dict
+        >>> from rrrobot.contact.saved import surface_from_dict
         >>> @rr.register("egg")
         ... class Egg(rr.Sphere):
         ...     def to_dict(self):

@@ -145,8 +145,8 @@ def test_all_names_come_by_star_and_unknown_ones_say_where_they_are():
     names = {}
     exec("from rrrobot import *", names)
     assert set(rr.__all__) <= set(names) and "robot" not in names
-    with pytest.raises(AttributeError, match=r"It is rrrobot\.orbits\.modes\."):
-        rr.modes  # noqa: B018
+    with pytest.raises(AttributeError, match=r"It is rrrobot\.orbits\.equilibrium\."):
+        rr.equilibrium  # noqa: B018
     with pytest.raises(AttributeError, match="no attribute 'walk'"):
         rr.walk  # noqa: B018
     with pytest.raises(ImportError):

@@ -227,12 +227,27 @@ def test_tables_are_the_trajectory_s(tmp_path: Path) -> None:
         ("level", (0.0, 0.0, 1.0)),
         ("slope:30", (-0.5, 0.0, math.sqrt(0.75))),
         ("slope:-30", (0.5, 0.0, math.sqrt(0.75))),
-        ("plane:0,3,4", (0.0, 0.6, 0.8)),
+        ("plane:0,5,12", (0.0, 5 / 13, 12 / 13)),
     ],
 )
 def test_grounds(text: str, normal: tuple[float, ...]) -> None:
     data = simulated(*SHORT, "--damping-kind", "body", "--ground", text)
     assert data["model"]["ground"]["normal"] == pytest.approx(normal, abs=1e-15)
+
+
+def test_rocks() -> None:
+    for text, radius in (("boulder:0.5", 0.5), ("bowl:0.8", -0.8)):
+        data = simulated(*SHORT, "--ground", text)
+        assert data["model"]["ground"]["radius"] == radius
+        model = rr.FullModel(rr.Robot.from_parameters(), ground=rr.Boulder(radius))
+        t = rr.simulate(model, rr.gait("lateral"), 0.5)
+        assert data["end"]["position"] == t.position[-1].tolist()
+
+
+def test_a_kind_of_damping_needs_its_size_on_other_robots() -> None:
+    urdf = ("--urdf", URDF, "--shell-radius", "0.12")
+    result = run("simulate", *SHORT, *urdf, "--damping-kind", "body")
+    assert result.exit_code == 2 and "--damping-kind needs --damping" in result.output
 
 
 @pytest.mark.parametrize("text", ["moon", "slope", "slope:90", "slope:x", "plane:1,2", "level:1"])

@@ -336,7 +336,7 @@ def test_modulation_is_used_for_the_decoupled_figures(monkeypatch: pytest.Monkey
         (("--offset", "1", "--figures", "maps"), 2, "over two grids; this sweep has 0"),
         (("--offset", "0:1:2", "--figures", "maps"), 2, "over two grids; this sweep has 1"),
         (("--offset", "1", "--loads", "--model", "decoupled"), 1, "choose one model, such as full"),
-        (("--offset", "1", "--ground", "plane:0.1,0,1"), 1, "level ground"),
+        (("--offset", "1", "--ground", "plane:0,0,0"), 1, "normal is zero"),
     ],
 )
 def test_wrong_usage(args: tuple[str, ...], code: int, message: str) -> None:

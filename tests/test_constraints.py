@@ -48,7 +48,7 @@ def test_jacobian_gives_the_velocity_of_the_material_contact_point(case):
 
     h = 1e-5
     velocity = (8 * (at(h) - at(-h)) - (at(2 * h) - at(-2 * h))) / (12 * h)
-    found = rolling.basis @ rolling.evaluate(data, q, v).residual
+    found = rolling.ground.basis @ rolling.evaluate(data, q, v).residual
     np.testing.assert_allclose(found, velocity, atol=1e-9)
 
 
@@ -73,9 +73,9 @@ def test_drift_of_a_body_fixed_contact_point_would_be_wrong(case):
     omega = pin.getFrameVelocity(
         robot.model, data, rolling.frame_id, pin.ReferenceFrame.LOCAL_WORLD_ALIGNED
     ).angular
-    arm = robot.shell.arm(data.oMf[rolling.frame_id].rotation, rolling.normal)
+    arm = robot.shell.arm(data.oMf[rolling.frame_id].rotation, rolling.ground.normal_vector)
     assert np.linalg.norm(np.cross(omega, np.cross(omega, arm))) > 0.01
-    wrong = rolling.basis.T @ np.cross(omega, np.cross(omega, arm))
+    wrong = rolling.ground.basis.T @ np.cross(omega, np.cross(omega, arm))
     h = 1e-4
     nothing = np.zeros(robot.model.nv)
 

@@ -91,6 +91,8 @@ def test_power_balance_of_rrrobot(robot, damping):
     assert error < 1e-8
 
 
+@pytest.mark.filterwarnings("ignore::rrrobot.errors.GroundClearanceWarning")
+@pytest.mark.filterwarnings("ignore::rrrobot.errors.LimitWarning")
 @pytest.mark.parametrize(
     "options",
     [

@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 import rrrobot as rr
 from rrrobot.figures import maps
+from rrrobot.studies.modulation import amplitude_modulation, pitch_yaw_phase_difference
 from rrrobot.studies.sweeps.run import sweep
 
 ROBOT = rr.Robot.from_parameters()
@@ -174,7 +175,7 @@ def test_side_by_side_shares_colours(full: xr.Dataset, pitch: xr.Dataset, yaw: x
 
 
 def test_phase_differences(full: xr.Dataset, pitch: xr.Dataset, yaw: xr.Dataset) -> None:
-    own = maps.phase_difference(full, start=-np.pi)
+    own = pitch_yaw_phase_difference(full, lowest=-np.pi)
     known = own.notnull()
     np.testing.assert_allclose(
         own.values[known], full.pitch_yaw_phase_difference.values[known], atol=1e-12
@@ -182,10 +183,10 @@ def test_phase_differences(full: xr.Dataset, pitch: xr.Dataset, yaw: xr.Dataset)
     swing = (full.pitch_amplitude > 0.1) & (full.yaw_amplitude > 0.03)
     assert known.where(swing, True).all()
     assert not known[:, 0].any()
-    single = maps.phase_difference(pitch, yaw)
+    single = pitch_yaw_phase_difference(pitch, yaw)
     assert float(single.min()) >= np.pi / 4
     assert float(single.max()) < np.pi / 4 + 2 * np.pi
-    drawn(maps.side_by_side(maps.phase_difference(full), single))
+    drawn(maps.side_by_side(pitch_yaw_phase_difference(full), single))
     at = single.sel(offset=np.pi / 4, phase_difference=np.pi / 2, method="nearest")
     run = rr.decoupled(ROBOT, rr.gait("circular"), 9.0, 0.03).steady_state()
     assert float(at) == pytest.approx(run.pitch_yaw_phase_difference % (2 * np.pi), abs=2e-2)
@@ -254,7 +255,7 @@ def test_inverse_map(full: xr.Dataset) -> None:
 
 def test_modulation(full: xr.Dataset) -> None:
     few = full.isel(offset=[0, 3, 6])
-    found = maps.amplitude_modulation(ROBOT, few)
+    found = amplitude_modulation(ROBOT, few)
     assert found.dims == ("offset",)
     factor = rr.studies.matching_yaw_amplitude(
         ROBOT, rr.gait("circular"), float(few.yaw_rate.sel(phase_difference=np.pi / 2)[1])

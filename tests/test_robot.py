@@ -193,11 +193,6 @@ def test_shell_link_that_does_not_exist_lists_those_that_do():
         rr.Robot.from_urdf(rr.urdf_path(), shell=SHELL, shell_link="belly")
 
 
-def test_shell_link_that_moves_names_the_joint():
-    with pytest.raises(rr.ShellError, match=r"'leg_2_link' moves with joint 'leg_2'.*Lock that"):
-        rr.Robot.from_urdf(rr.urdf_path(), shell=SHELL, shell_link="leg_2_link")
-
-
 @pytest.mark.parametrize("shell", [0.12, None, "sphere", {"radius": 0.12}, rr.Sphere], ids=repr)
 def test_shell_that_is_no_surface(shell):
     with pytest.raises(rr.ShellError, match=r"it must be a surface, such as Sphere"):
@@ -445,18 +440,3 @@ def test_limit_of_the_legs(monkeypatch):
     with pytest.raises(rr.UrdfError, match="12 moving joints: the limit is 11"):
         random_robot(1)
     assert random_robot(1, legs=EVERY[:11]).n_legs == 11
-
-
-def test_mimic_joints_must_be_held():
-    urdf = (
-        '<robot name="r"><link name="base"><inertial><mass value="1"/><inertia ixx="1" iyy="1" '
-        'izz="1" ixy="0" ixz="0" iyz="0"/></inertial></link><link name="a"/><link name="b"/>'
-        '<joint name="ja" type="continuous"><parent link="base"/><child link="a"/>'
-        '<axis xyz="0 1 0"/></joint>'
-        '<joint name="jb" type="continuous"><parent link="base"/><child link="b"/>'
-        '<axis xyz="0 1 0"/><mimic joint="ja"/></joint></robot>'
-    )
-    with pytest.raises(rr.UrdfError, match="'jb' mimics 'ja'"):
-        rr.Robot.from_urdf(urdf, shell=rr.Sphere(1.0))
-    held = rr.Robot.from_urdf(urdf, shell=rr.Sphere(1.0), locked={"jb": 0.2})
-    assert held.legs == ("ja",) and held.locked == {"jb": 0.2}

@@ -251,7 +251,7 @@ def test_record_refuses(trajectory, tmp_path, name, options, error, words):
 
 
 def test_a_single_sample_is_a_still_picture(trajectory, tmp_path):
-    arrays = [f.name for f in fields(trajectory) if f.name not in ("robot", "metadata")]
+    arrays = [f.name for f in fields(trajectory) if f.name not in ("robot", "ground", "metadata")]
     still = replace(trajectory, **{name: getattr(trajectory, name)[:1] for name in arrays})
     assert record(still, tmp_path / "still.html").stat().st_size > 1e5
 
@@ -289,6 +289,37 @@ def test_contact_point_is_the_trajectorys(normal, shell):
     contacts = [scene.pose(q).contact for q in t.configuration]
     np.testing.assert_allclose(contacts, t.position, atol=1e-9)
     np.testing.assert_allclose(scene.rest().contact, 0.0, atol=1e-12)
+
+
+def grounds():
+    return {
+        "boulder": rr.Boulder(0.5),
+        "bowl": rr.Boulder(-0.9),
+        "graph": rr.Graph(
+            lambda x, y: 0.05 * x * x - 0.1 * x * y + 0.02,
+            lambda x, y: (0.1 * x - 0.1 * y, -0.1 * x),
+            lambda x, y: ((0.1, -0.1), (-0.1, 0.0)),
+        ),
+    }
+
+
+@pytest.mark.parametrize("name", ["boulder", "bowl", "graph"])
+def test_curved_ground_is_drawn_where_the_robot_touches_it(name, tmp_path):
+    ground = grounds()[name]
+    model = rr.FullModel(rr.Robot.from_parameters(), ground=ground)
+    t = rr.simulate(model, rr.gait("circular"), duration=0.5)
+    scene = Scene(t.robot, ground)
+    contacts = np.array([scene.pose(q).contact for q in t.configuration])
+    np.testing.assert_allclose(contacts, t.position, atol=1e-9)
+    np.testing.assert_allclose(scene.rest().contact, 0.0, atol=1e-12)
+    centers = np.array([scene.pose(q).center for q in t.configuration])
+    floor, grid = scene.stage(centers, scene.view(centers))[:2]
+    vertices = floor["object"]["geometries"][0]["data"]["attributes"]["position"]["array"]
+    for point in vertices.reshape(-1, 3)[::7]:
+        assert abs(ground.distance(point.astype(float))) < 1e-6
+    lines = grid["object"]["geometries"][0]["data"]["attributes"]["position"]["array"]
+    assert len(lines) % 6 == 0 and np.all(np.isfinite(lines))
+    assert record(t, tmp_path / "rock.html").stat().st_size > 1e5
 
 
 # --- the robot's looks ------------------------------------------------------------------------

@@ -14,13 +14,16 @@ from typing import Any, NoReturn
 import click
 
 from rrrobot.cli.compare import compare_command, periods
+from rrrobot.cli.continue_ import continue_command
 from rrrobot.cli.fit import fit_command
 from rrrobot.cli.follow import follow_command
 from rrrobot.cli.gait import gait_command
 from rrrobot.cli.optimise import optimise_command
+from rrrobot.cli.orbit import orbit_command
 from rrrobot.cli.plan import plan_command
 from rrrobot.cli.reduce import reduce_command
 from rrrobot.cli.reproduce import reproduce_command
+from rrrobot.cli.sensitivity import sensitivity_command
 from rrrobot.cli.simulate import simulate
 from rrrobot.cli.sweep import sweep_command
 from rrrobot.cli.view import robots, view
@@ -76,6 +79,9 @@ for _command in (
     follow_command,
     fit_command,
     gait_command,
+    orbit_command,
+    continue_command,
+    sensitivity_command,
     view,
     robots,
 ):

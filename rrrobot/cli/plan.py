@@ -20,8 +20,8 @@ from rrrobot.drive.tables import gait_table
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable
 from rrrobot.models.full import FullModel
-from rrrobot.steering.planned import Plan
 from rrrobot.steering.planner import plan as make_plan
+from rrrobot.steering.plans import Plan
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -113,8 +113,9 @@ def simulate(
       rrrobot simulate --gait circular --plot circular.png --html circular.html
       rrrobot simulate --offset pi/2,pi/4 --amplitude 0.2 --duration 60 --json
       rrrobot simulate --ground slope:5 --csv run.csv
-      rrrobot simulate --robot solo12 --shell-radius 0.25 --shell-center 0 0 0.12 \
-        --legs FL_HFE,FR_HFE,HL_HFE,HR_HFE --offset pi --damping-kind body
+      rrrobot simulate --robot solo12 --shell-radius 0.3 --shell-center 0 0 0.17 --offset pi \
+        --legs FL_HFE,FR_HFE,HL_HFE,HR_HFE --amplitude 0.5 --frequency 6 --phase 0,pi/2,0,pi/2 \
+        --damping 0.3 --damping-kind body
     """
     files, settings = output.files(), run.settings()
     parts = Parts.of(robot, ground, damping)

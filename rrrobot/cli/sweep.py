@@ -44,6 +44,13 @@ class CountOptions(Group):
         help="Also the motors' torques and power and the friction needed, in the last cycle; best "
         "with --steps 20.",
     )
+    settle: str = option(
+        "--settle",
+        type=click.Choice(("cycles", "orbit")),
+        default="cycles",
+        show_default=True,
+        help="cycles: simulate them; orbit: find each gait's limit cycle directly.",
+    )
     threads: int | None = option("--threads", type=int, help="One for each core unless given.")
 
     def settings(self, *, quiet: bool) -> dict[str, Any]:
@@ -52,6 +59,7 @@ class CountOptions(Group):
             "cycles": self.cycles,
             "counted": self.counted,
             "steps_per_cycle": self.steps,
+            "settle": self.settle,
             "threads": self.threads,
             "progress": False if quiet else None,
         }

@@ -13,6 +13,7 @@ import numpy as np
 from rrrobot.cli.options.robot import DECOUPLED
 from rrrobot.cli.report import aligned
 from rrrobot.files import make_folder
+from rrrobot.studies.modulation import amplitude_modulation, filled, pitch_yaw_phase_difference
 from rrrobot.studies.sweeps.run import sweep as run_sweep
 from rrrobot.studies.sweeps.store import LOADS, STATUS
 
@@ -33,8 +34,9 @@ def summary(ds: xr.Dataset, seconds: float) -> dict[str, Any]:
         "title": ds.attrs["title"],
         "gaits": status.size,
         "sizes": {str(dim): size for dim, size in ds.sizes.items() if dim in ds.speed.dims},
-        "cycles": ds.attrs["cycles"],
-        "counted": ds.attrs["counted"],
+        "settle": ds.attrs.get("settle", "cycles"),
+        "cycles": ds.attrs.get("cycles"),
+        "counted": ds.attrs.get("counted"),
         "seconds": seconds,
         "status": {word: int((status == code).sum()) for code, word in STATUS.items()},
         "unsettled": int((ds.variation > SETTLED).sum()),
@@ -72,7 +74,9 @@ def table(data: dict[str, Any]) -> str:
         ("sweep", data["title"]),
         ("gaits", f"{data['gaits']}: {sizes}" if sizes else "1"),
         ("time", f"{data['seconds']:.2f} s, {rate:.0f} gaits/s"),
-        ("cycles", f"{data['cycles']}, the last {data['counted']} counted"),
+        ("settled by", "their limit cycles")
+        if data["settle"] == "orbit"
+        else ("cycles", f"{data['cycles']}, the last {data['counted']} counted"),
     ]
     for word, count in data["status"].items():
         if count and word != "steady_state":
@@ -110,7 +114,7 @@ def draw(ds: xr.Dataset) -> dict[str, Any]:
         "amplitudes": maps.amplitudes(ds),
         "inverse": maps.inverse(ds),
     }
-    phase = maps.phase_difference(ds)
+    phase = pitch_yaw_phase_difference(ds)
     if phase.notnull().any():
         figures["phase_difference"] = maps.value_map(phase).figure
     for name in LOADS:
@@ -129,14 +133,13 @@ def draw_paper(
         make: makes a model by its name.
         grids, run: of that sweep.
     """
-    from rrrobot.figures import maps
     from rrrobot.paper import figures as paper
 
     pitch, yaw = (run_sweep(make(name), **grids, **run) for name in ("pitch", "yaw"))
     decoupled = make(DECOUPLED)
     thin = slice(None, None, math.ceil(full.sizes["offset"] / _MOST_MODULATED))
-    modulation = maps.amplitude_modulation(decoupled.robot, full.isel(offset=thin))
-    amplitude = maps.filled(modulation, full.offset)
+    modulation = amplitude_modulation(decoupled.robot, full.isel(offset=thin))
+    amplitude = filled(modulation, full.offset)
     single = run_sweep(decoupled, **grids, **run, yaw_amplitude=amplitude)
     return {
         "fig_11_pitch_amplitude": paper.fig_11(full, pitch),

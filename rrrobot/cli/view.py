@@ -103,8 +103,9 @@ def robots(as_json: bool) -> None:
     \b
     Example:
       rrrobot robots
-      rrrobot simulate --robot solo12 --shell-radius 0.25 --shell-center 0 0 0.12 \
-        --legs FL_HFE,FR_HFE,HL_HFE,HR_HFE --offset pi --damping-kind body
+      rrrobot simulate --robot solo12 --shell-radius 0.3 --shell-center 0 0 0.17 --offset pi \
+        --legs FL_HFE,FR_HFE,HL_HFE,HR_HFE --amplitude 0.5 --frequency 6 --phase 0,pi/2,0,pi/2 \
+        --damping 0.3 --damping-kind body
     """
     rrrobot = Robot.from_parameters()
     found: list[dict[str, Any]] = [

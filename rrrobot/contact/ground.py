@@ -7,7 +7,7 @@ and the curvature operator B,
 
 A plane has B = 0; a convex ground, such as a boulder, has B >= 0 on the tangent plane. Each ground
 has two coordinates (u, v) of its own, in which a trajectory's `position` is given: lengths along
-(t1, t2) on a plane, the world's (x, y) elsewhere.
+(t1, t2) on a plane, the world's (x, y) elsewhere. Boulders and graphs are in their own files.
 """
 
 from __future__ import annotations
@@ -41,6 +41,10 @@ class Ground(ABC):
     def point(self, coordinates: Array) -> Array:
         """World point (3,) [m] of ground coordinates (2,)."""
 
+    def coordinates(self, point: Array) -> Array:
+        """Ground coordinates (2,) below a point (3,); the world's (x, y) unless overridden."""
+        return point[:2]
+
     @abstractmethod
     def coordinate_rates(self, point: Array, velocity: Array) -> Array:
         """Rates (2,) of the ground coordinates of a point that moves along the ground (3,)."""
@@ -52,6 +56,14 @@ class Ground(ABC):
     @abstractmethod
     def curvature(self, point: Array) -> Array:
         """B (3, 3) [1/m] at a point (3,)."""
+
+    @abstractmethod
+    def distance(self, point: Array) -> float:
+        """Distance of any point near the ground from it [m], above zero outside; to first order."""
+
+    def leaves(self, coordinates: Array) -> str | None:
+        """Why a contact at these coordinates (2,) is past what the ground describes, or None."""
+        return None
 
     @abstractmethod
     def to_dict(self) -> dict[str, Any]:
@@ -104,6 +116,9 @@ class Plane(Ground):
     def point(self, coordinates: Array) -> Array:
         return self.basis[:, :2] @ coordinates
 
+    def coordinates(self, point: Array) -> Array:
+        return point @ self.basis[:, :2]
+
     def coordinate_rates(self, point: Array, velocity: Array) -> Array:
         return velocity @ self.basis[:, :2]
 
@@ -112,6 +127,9 @@ class Plane(Ground):
 
     def curvature(self, point: Array) -> Array:
         return np.zeros((3, 3))
+
+    def distance(self, point: Array) -> float:
+        return float(self.normal_vector @ point)
 
     def to_dict(self) -> dict[str, Any]:
         return {"type": "plane", "normal": self.normal_vector.tolist(), "gravity": self.gravity}
@@ -126,11 +144,6 @@ class Plane(Ground):
         parts = [] if self.is_level else [f"normal={self.normal_vector.tolist()}"]
         parts += [] if self.gravity is None else [f"gravity={self.gravity}"]
         return f"Plane({', '.join(parts)})"
-
-
-def ground_from_dict(data: dict[str, Any]) -> Ground:
-    """The ground that `to_dict` wrote."""
-    return serial.from_dict(data, Ground, "ground")  # type: ignore[type-abstract]
 
 
 def normals(ground: Ground, coordinates: Array) -> Array:

@@ -6,7 +6,7 @@ A sphere that rolls without slip on level ground moves its contact point with
     y_dot = -r cos(pitch) cos(yaw) roll_rate + r sin(yaw) pitch_rate
 
 (the paper's eq (5) prints cos(roll) for cos(pitch) in the second line). For any strictly convex
-shell with arm rho on a plane, the contact point moves with -Omega x rho + rho_dot.
+shell on any smooth ground the curvatures of both decide; Montana's equation.
 """
 
 from __future__ import annotations
@@ -20,17 +20,28 @@ from rrrobot.checks import Array, finite, vector
 from rrrobot.contact.surfaces import Surface
 from rrrobot.errors import ParameterError
 from rrrobot.integrate import Stepping, integrate
-from rrrobot.rotations import skew
 
 
-def contact_velocity(surface: Surface, rotation: Array, omega_world: Array, normal: Array) -> Array:
-    """Velocity of the contact point in the plane, -Omega x rho + rho_dot (3,) [m/s].
+def contact_velocity(
+    surface: Surface,
+    rotation: Array,
+    omega_world: Array,
+    normal: Array,
+    curvature: Array | None = None,
+) -> Array:
+    """Velocity of the contact point along the ground (3,) [m/s], in the world.
+
+        (1 + H B) P_dot = H (Omega x n)
+
+    with H = R d2h R^T of the shell and B of the ground; r Omega x n for a sphere on a plane. The
+    same vector is the contact's rate over the body, R x_dot, as there is no slip.
 
     Args:
         surface: the shell.
         rotation: R_world_shell (3, 3).
         omega_world: angular velocity (3,) [rad/s].
-        normal: unit normal of the plane (3,).
+        normal: unit normal of the ground at the contact (3,).
+        curvature: B of the ground there (3, 3) [1/m]; a plane's if None.
 
     Example:
         >>> import numpy as np, rrrobot as rr
@@ -40,8 +51,11 @@ def contact_velocity(surface: Surface, rotation: Array, omega_world: Array, norm
         >>> forward.round(3).tolist()
         [0.24, 0.0, 0.0]
     """
-    travel = skew(surface.arm(rotation, normal)) @ omega_world
-    return travel + surface.arm_rate(rotation, omega_world, normal)
+    hessian = rotation @ surface.hessian(-rotation.T @ normal) @ rotation.T
+    along = hessian @ np.cross(omega_world, normal)
+    if curvature is None:
+        return along
+    return np.asarray(np.linalg.solve(np.eye(3) + hessian @ curvature, along))
 
 
 def sphere_contact_rate(radius: float, euler: ArrayLike, euler_rates: ArrayLike) -> Array:

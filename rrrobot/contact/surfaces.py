@@ -4,11 +4,11 @@ A strictly convex shell has the support function h(u) = max of u . x over its po
 vector, both in the shell's frame. The shell touches a plane of unit normal n (world) at the point
 with u = -R^T n, so with R = R_world_shell
 
-    rho     = R dh(u)                                contact arm, from the centre to the contact
-    rho_dot = R (w x dh(u) + d2h(u) u_dot)           u_dot = -w x u,  w = angular velocity in R
+    rho = R dh(u)                                    contact arm, from the centre to the contact
 
-(dh the gradient of the degree-one extension of h, d2h its Hessian). A sphere has h = r |u|, so
-rho = -r n and rho_dot = 0: the contact point moves over the body, and not with it.
+(dh the gradient of the degree-one extension of h, d2h its Hessian, whose eigenvalues on the tangent
+plane are the principal radii of curvature). A sphere has h = r |u|, so rho = -r n. How the contact
+moves is in `rrrobot.contact.kinematics`.
 """
 
 from __future__ import annotations
@@ -23,17 +23,37 @@ from numpy.typing import ArrayLike
 from rrrobot import serial
 from rrrobot.checks import Array, finite, vector
 from rrrobot.errors import ParameterError
-from rrrobot.rotations import skew
 
 SHELL_FRAME = "rrrobot_shell"
 """Frame that every Robot adds to its Pinocchio model: the shell's centre and axes."""
 
 
 class Surface(ABC):
-    """A strictly convex shell, centred at the origin of its frame.
+    """A strictly convex shell in its own frame, by its support function.
 
-    A subclass gives `support`, `contact` and `hessian`; everything else follows. Override `arm`
-    and `arm_rate` only to be faster.
+    A subclass gives `support`, `contact` and `hessian`; everything else follows. `check_convex`
+    tries them. Override `arm` only to be faster, and `ellipsoids` where it holds.
+
+    Example:
+        >>> import numpy as np, rrrobot as rr
+        >>> class Egg(rr.Surface):
+        ...     def support(self, u):
+        ...         return 0.12 * np.linalg.norm(u) + 0.03 * u[0] ** 3 / (u @ u)
+        ...     def contact(self, u):
+        ...         s = u @ u
+        ...         bump = 3 * u[0] ** 2 / s * np.eye(3)[0] - 2 * u[0] ** 3 / s**2 * u
+        ...         return 0.12 * u / np.sqrt(s) + 0.03 * bump
+        ...     def hessian(self, u):
+        ...         s, x, e = u @ u, u[0], np.eye(3)[0]
+        ...         cross = np.outer(e, u) + np.outer(u, e)
+        ...         bump = 6 * x / s * np.outer(e, e) - 6 * x**2 / s**2 * cross
+        ...         bump += 8 * x**3 / s**3 * np.outer(u, u) - 2 * x**3 / s**2 * np.eye(3)
+        ...         round_part = (np.eye(3) - np.outer(u, u) / s) / np.sqrt(s)
+        ...         return 0.12 * round_part + 0.03 * bump
+        ...     def to_dict(self):
+        ...         return {"type": "egg"}
+        >>> round(rr.contact.check_convex(Egg()), 3)
+        0.06
     """
 
     @abstractmethod
@@ -56,14 +76,12 @@ class Surface(ABC):
         """Contact arm rho (3,) in the world frame [m], for R_world_shell and the normal."""
         return rotation @ self.contact(-rotation.T @ normal)
 
-    def arm_rate(self, rotation: Array, omega_world: Array, normal: Array) -> Array:
-        """Rate of the contact arm rho_dot (3,) in the world frame [m/s]."""
-        u = -rotation.T @ normal
-        w = skew(rotation.T @ omega_world)
-        return rotation @ (w @ self.contact(u) - self.hessian(u) @ (w @ u))
-
     def fixed_arm(self, normal: Array) -> Array | None:
         """The contact arm (3,) [m] if it is the same at every orientation, else None."""
+        return None
+
+    def ellipsoids(self) -> Array | None:
+        """A (m, 3, 3) [m^2] where h(u) = sum of sqrt(u.A_j u); else None."""
         return None
 
     def principal_radii(self, u: Array) -> Array:
@@ -105,11 +123,11 @@ class Sphere(Surface):
     def arm(self, rotation: Array, normal: Array) -> Array:
         return -self.radius * normal
 
-    def arm_rate(self, rotation: Array, omega_world: Array, normal: Array) -> Array:
-        return np.zeros(3)
-
     def fixed_arm(self, normal: Array) -> Array | None:
         return -self.radius * normal
+
+    def ellipsoids(self) -> Array:
+        return np.asarray(self.radius**2 * np.eye(3)[None])
 
     def to_dict(self) -> dict[str, Any]:
         return {"type": "sphere", "radius": self.radius}
@@ -153,10 +171,8 @@ class Ellipsoid(Surface):
         scaled, h = self._scaled(u)
         return np.diag(np.square(self.semi_axes)) / h - np.outer(scaled, scaled) / h**3
 
+    def ellipsoids(self) -> Array:
+        return np.asarray(np.diag(np.square(self.semi_axes))[None])
+
     def to_dict(self) -> dict[str, Any]:
         return {"type": "ellipsoid", "semi_axes": list(self.semi_axes)}
-
-
-def surface_from_dict(data: dict[str, Any]) -> Surface:
-    """The shell that `to_dict` wrote."""
-    return serial.from_dict(data, Surface, "shell")  # type: ignore[type-abstract]

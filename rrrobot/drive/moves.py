@@ -6,13 +6,14 @@ phi(s), 0 <= s <= 1, and each is run through with the time scaling of `ease`.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from rrrobot import serial
 from rrrobot.checks import Array, finite, vector
 from rrrobot.drive.gaits import Gait, LegMotion, SinusoidalGait
 from rrrobot.errors import GaitError
@@ -41,8 +42,18 @@ def ease(x: ArrayLike, ramp: float = 0.5) -> tuple[Array, Array, Array]:
     return np.where(late, 1 - gone, gone), rate, np.where(late, -bend, bend)
 
 
+class Move:
+    """A curve phi(s), 0 <= s <= 1, that the legs run through from rest to rest."""
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> Self:
+        """The move of the entries that `to_dict` wrote."""
+        return cls(**{k: np.array(v) if isinstance(v, list) else v for k, v in data.items()})
+
+
+@serial.register("straight")
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Straight:
+class Straight(Move):
     """phi(s) = start + s (end - start), in `duration` seconds."""
 
     start: Array
@@ -58,11 +69,18 @@ class Straight:
 
     def to_dict(self) -> dict[str, Any]:
         """Plain data."""
-        return {"type": "straight", "start": self.start.tolist(), "end": self.end.tolist()}
+        return {
+            "type": "straight",
+            "start": self.start.tolist(),
+            "end": self.end.tolist(),
+            "duration": self.duration,
+            "ramp": self.ramp,
+        }
 
 
+@serial.register("loops")
 @dataclass(frozen=True, kw_only=True, eq=False)
-class Loops:
+class Loops(Move):
     """phi_k(s) = center_k + amplitude_k sin(2 pi turns s + phase_k), in `duration` seconds."""
 
     center: Array
@@ -94,9 +112,11 @@ class Loops:
     def to_dict(self) -> dict[str, Any]:
         """Plain data."""
         numbers = {key: getattr(self, key).tolist() for key in ("center", "amplitude", "phase")}
-        return {"type": "loops", "turns": self.turns} | numbers
+        timing = {"duration": self.duration, "ramp": self.ramp}
+        return {"type": "loops", "turns": self.turns} | numbers | timing
 
 
+@serial.register("leg_moves")
 class LegMoves(Gait):
     """Moves one after the other, each from rest to rest; the legs stay where the last one ends.
 
@@ -154,6 +174,11 @@ class LegMoves(Gait):
 
     def to_dict(self) -> dict[str, Any]:
         return {"type": "leg_moves", "moves": [move.to_dict() for move in self.moves]}
+
+    @classmethod
+    def from_dict(cls, data: Mapping[str, Any]) -> LegMoves:
+        """The moves that `to_dict` wrote."""
+        return cls([serial.from_dict(move, Move, "move") for move in data["moves"]])  # type: ignore[misc]
 
 
 def one_leg_gait(start: ArrayLike, *, leg: int, target: float, max_rate: float = 2.4) -> LegMoves:

@@ -16,6 +16,7 @@ import numpy as np
 from rrrobot import serial
 from rrrobot.checks import Array, finite
 from rrrobot.drive.gaits import Gait
+from rrrobot.drive.moves import LegMoves  # noqa: F401 (so that it is registered)
 from rrrobot.drive.samples import SampledGait
 from rrrobot.drive.schedule import Schedule  # noqa: F401 (so that it is registered)
 from rrrobot.errors import GaitError, OutputError, ParameterError

@@ -3,11 +3,9 @@ from rrrobot.figures.comparison import path_panel as path_panel
 from rrrobot.figures.comparison import rolling_shell as rolling_shell
 from rrrobot.figures.comparison import single_axis as single_axis
 from rrrobot.figures.fronts import pareto as pareto
-from rrrobot.figures.maps import amplitude_modulation as amplitude_modulation
 from rrrobot.figures.maps import amplitudes as amplitudes
 from rrrobot.figures.maps import inverse as inverse
 from rrrobot.figures.maps import modulation as modulation
-from rrrobot.figures.maps import phase_difference as phase_difference
 from rrrobot.figures.maps import side_by_side as side_by_side
 from rrrobot.figures.maps import translation as translation
 from rrrobot.figures.maps import value_map as value_map

@@ -33,7 +33,7 @@ def contact_paths(
     *,
     marks: tuple[float, ...] = (0.0, 10.0, 20.0, 30.0),
 ) -> Figure:
-    """Paths of the contact point, one panel a model, with times marked: Figs 6 and 7.
+    """Paths of the contact point on one scale, a panel a model, times marked: Figs 6 and 7.
 
     Args:
         comparison: of `rrrobot.studies.comparison`.
@@ -45,7 +45,19 @@ def contact_paths(
         ax = figure.add_subplot(1, len(models), i + 1)
         path_panel(ax, comparison.trajectories[name], marks)
         ax.set_title(TITLES[name], fontsize=FONT + 1)
+    _same_scale(figure.axes)
     return figure
+
+
+def _same_scale(panels: list[Axes]) -> None:
+    """Give panels of one shape limits of one width and height, each about its own middle."""
+    spans = [np.array((ax.dataLim.intervalx, ax.dataLim.intervaly)) for ax in panels]
+    half = 0.55 * max(float(np.ptp(span, axis=1).max()) for span in spans)
+    for ax, span in zip(panels, spans, strict=True):
+        x, y = span.mean(axis=1)
+        ax.set_aspect("equal", adjustable="box")
+        ax.set_xlim(x - half, x + half)
+        ax.set_ylim(y - half, y + half)
 
 
 def path_panel(ax: Axes, trajectory: Trajectory, marks: tuple[float, ...]) -> Axes:
@@ -139,7 +151,7 @@ def rolling_shell(
     trajectory: Trajectory,
     times: Any = None,
     *,
-    view: tuple[float, float] = (24.0, -60.0),
+    view: tuple[float, float] = (38.0, -60.0),
 ) -> Figure:
     """The shell and legs in space at some times, with the path of the contact point: Fig 2.
 
@@ -156,14 +168,16 @@ def rolling_shell(
     instants = np.linspace(0, trajectory.time[-1], 3) if times is None else times
     instants = vector("times", instants, np.size(instants), "s")
     figure = new_figure(7.6, 5.6)
-    ax: Any = figure.add_subplot(projection="3d")
-    x, y = 100 * trajectory.position.T
-    ax.plot(x, y, 0 * x, color="#BB5566", linewidth=0.6)
-    mean = cycle_means(trajectory)
-    if mean is not None:
-        ax.plot(*100 * mean.T, 0, color=BLACK, linewidth=1.6)
+    ax: Any = figure.add_subplot(projection="3d", computed_zorder=False)
     for instant in instants:
         _draw_robot(ax, trajectory, int(np.argmin(np.abs(trajectory.time - instant))))
+    # Over the shells, as if they were of glass.
+    x, y = 100 * trajectory.position.T
+    ax.plot(x, y, 0 * x, color="#BB5566", linewidth=0.7, zorder=8)
+    mean = cycle_means(trajectory)
+    if mean is not None:
+        ax.plot(*100 * mean.T, 0, color=BLACK, linewidth=2.0, zorder=9)
+        ax.plot(*100 * mean[-1][:, None], 0, "o", color=BLACK, markersize=4, zorder=9)
     ax.set_aspect("equal")
     ax.view_init(*view)
     for label, which in (("x [cm]", "x"), ("y [cm]", "y"), ("z [cm]", "z")):
@@ -186,13 +200,13 @@ def _draw_robot(ax: Any, trajectory: Trajectory, i: int) -> None:
     u, w = np.mgrid[0 : 2 * np.pi : 25j, 0 : np.pi : 13j]
     ball = np.stack((np.cos(u) * np.sin(w), np.sin(u) * np.sin(w), np.cos(w)))
     surface = 100 * (center[:, None, None] + radius * ball)
-    ax.plot_surface(*surface, color="#E8E4DA", alpha=0.35, linewidth=0, shade=True)
+    ax.plot_surface(*surface, color="#E8E4DA", alpha=0.16, linewidth=0, shade=True)
     turn = np.linspace(0, 2 * np.pi, 73)
     for axis, colour in enumerate(("#D55E00", "#0072B2", "#404040")):
         circle = np.zeros((3, turn.size))
         circle[(axis + 1) % 3], circle[(axis + 2) % 3] = np.cos(turn), np.sin(turn)
         ring = 100 * (center[:, None] + radius * rotation @ circle)
-        ax.plot(*ring, color=colour, linewidth=1.2)
+        ax.plot(*ring, color=colour, linewidth=0.9, alpha=0.7, zorder=5)
     for name in robot.legs:
         joint = robot.model.getJointId(name)
         hip = 100 * data.oMi[joint].translation

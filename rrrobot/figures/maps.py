@@ -15,10 +15,7 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.drawing import BLACK, FONT, GREY, line, new_axes, new_figure, tidy
-from rrrobot.drive.gaits import SinusoidalGait
-from rrrobot.errors import ModelError, ParameterError
-from rrrobot.robot.robot import Robot
-from rrrobot.studies.comparison import matching_yaw_amplitude
+from rrrobot.errors import ParameterError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,8 +26,6 @@ COLOURS, DARKEST = "YlGnBu", 0.72
 """From light yellow to blue, no darker than black contours on it can bear."""
 SLOW = 2e-4
 """Speed below which a curvature is not drawn [m/s]."""
-SMALL = 1e-3
-"""Amplitude below which a phase is not drawn [rad]."""
 _APART = 0.06
 """Least distance of two contour labels, as a part of the axes."""
 _SHOWN = {"m/s": ("mm/s", 1000.0), "rad": ("deg", 180 / np.pi), "m": ("mm", 1000.0), "1": ("", 1.0)}
@@ -145,23 +140,6 @@ def amplitudes(ds: xr.Dataset) -> Figure:
     return figure
 
 
-def phase_difference(
-    pitch: xr.Dataset, yaw: xr.Dataset | None = None, *, start: float = np.pi / 4
-) -> xr.DataArray:
-    """Pitch phase less yaw phase, where both amplitudes are at least 0.06 deg.
-
-    Args:
-        pitch: sweep whose pitch is taken: of the full or of the pitch model.
-        yaw: sweep whose yaw is taken; the same if None, for the single-axis models the yaw
-            model's.
-        start: the values are from here to a turn farther [rad].
-    """
-    yaw = pitch if yaw is None else yaw
-    found = (pitch.pitch_phase - yaw.yaw_phase - start) % (2 * np.pi) + start
-    found = found.where((pitch.pitch_amplitude >= SMALL) & (yaw.yaw_amplitude >= SMALL))
-    return found.assign_attrs(units="rad", long_name="pitch phase less yaw phase")
-
-
 def inverse(ds: xr.Dataset, *, curves: int = 9) -> Figure:
     """Offset and phase difference over the plane of speed and yaw rate: Figs 21 and 22.
 
@@ -185,53 +163,8 @@ def inverse(ds: xr.Dataset, *, curves: int = 9) -> Figure:
     return figure
 
 
-def amplitude_modulation(
-    robot: Robot, full: xr.Dataset, *, phase_difference: float = np.pi / 2
-) -> xr.DataArray:
-    """Leg amplitude at which the yaw model drifts like the full model, over the offset: Fig 20.
-
-    Args:
-        robot: of the sweep, with two legs.
-        full: sweep of the full model over offset and phase difference, at one amplitude and one
-            frequency.
-        phase_difference: taken is the grid's nearest [rad].
-
-    Returns:
-        amplitude (offset,) [rad]; NaN where the full model does not drift, or no amplitude does.
-    """
-    row = full.sel(phase_difference=phase_difference, method="nearest")
-    found = np.full(row.sizes["offset"], np.nan)
-    amplitude = float(row.amplitude)
-    for i, (offset, rate) in enumerate(zip(row.offset.values, row.yaw_rate.values, strict=True)):
-        if not abs(rate) > 1e-6:
-            continue
-        gait = SinusoidalGait(
-            offset=(offset, offset),
-            amplitude=amplitude,
-            angular_frequency=float(row.angular_frequency),
-            phase=(0.0, float(row.phase_difference)),
-        )
-        try:
-            found[i] = amplitude * matching_yaw_amplitude(robot, gait, float(rate))
-        except ModelError:
-            continue
-    attrs = {"units": "rad", "long_name": "leg amplitude of the yaw model"}
-    return row.yaw_rate.copy(data=found).assign_attrs(attrs).rename("yaw_model_amplitude")
-
-
-def filled(modulation: xr.DataArray, offset: xr.DataArray) -> xr.DataArray:
-    """The result of `amplitude_modulation` at other offsets, gaps filled linearly (offset,) [rad].
-
-    It is what `sweep` takes as `yaw_amplitude`; NaN, the gait's own amplitude, if nothing is known.
-    """
-    known = modulation.dropna("offset").sortby("offset")
-    if not known.size:
-        return offset.copy(data=np.full(offset.size, np.nan))
-    return offset.copy(data=np.interp(offset, known.offset, known))
-
-
 def modulation(values: xr.DataArray, ax: Axes | None = None) -> Axes:
-    """The result of `amplitude_modulation` over the offset, with the gait's own amplitude."""
+    """What `studies.amplitude_modulation` gives over the offset, with the gait's own amplitude."""
     ax = new_axes() if ax is None else ax
     known = values.dropna("offset")
     ax.plot(known.offset, known, marker="o", markersize=3, label="yaw model", **line(0))

@@ -9,8 +9,7 @@ its independent velocities, so that
     v = N(pose) quasi + leg rates,
 
 and the constraints J v = 0 hold by construction at every state. A subclass declares Pinocchio's
-model and the constraints, and says how pose and quasi-velocities map to Pinocchio's q and v; the
-equations of motion are the same for all.
+model and the constraints, and says how pose and quasi-velocities map to Pinocchio's q and v.
 """
 
 from __future__ import annotations
@@ -26,7 +25,8 @@ from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, vector
 from rrrobot.constraints import Constraint, Instant, PrescribedJoints, RollingContact
-from rrrobot.contact.ground import Ground, Plane, ground_from_dict
+from rrrobot.contact.ground import Ground, Plane
+from rrrobot.contact.saved import ground_from_dict
 from rrrobot.drive.damping import (
     Damping,
     DampingLike,
@@ -40,7 +40,7 @@ from rrrobot.inline import shows
 from rrrobot.integrate import MAX_STEP
 from rrrobot.kkt import kkt_build, kkt_solve
 from rrrobot.models.terms import Dynamics, Equations, Placement
-from rrrobot.robot.joints import JointIndex
+from rrrobot.robot.joints import JointIndex, coriolis_matrix, energy, joint_inertia
 from rrrobot.robot.robot import Robot
 
 VERTICAL_PITCH = np.deg2rad(89.5)
@@ -199,18 +199,20 @@ class Model(ABC):
         place = self._place(pose)
         q = self.configuration(place, angle)  # type: ignore[arg-type]
         v = self.velocity(place, quasi, rate)  # type: ignore[arg-type]
-        mass = pin.crba(self.model, self.data, q)
+        mass = joint_inertia(self.model, self.data, q)
         bias = pin.nonLinearEffects(self.model, self.data, q, v)
         tau = np.zeros(self.model.nv)
         tau[: len(place.basis)] = self.damping_force(place, quasi)
         if self.damping.leg_coefficient:
             tau[self.legs.v] -= self.damping.leg_coefficient * v[self.legs.v]
+        if self.robot.joints.lossy:
+            tau[self.legs.v] -= self.robot.joints.loss(v[self.legs.v])
         if leg_torque is not None:
             tau[self.legs.v] += leg_torque
         imposed = self.constraints if leg is None else (*self.constraints, self._prescribed)
         if self.constraints:
             pin.forwardKinematics(self.model, self.data, q, v, self._still)
-        at = Instant(self.data, q, v, time, leg)
+        at = Instant(self.data, q, v, time, leg, place.contact)
         rows = [constraint.rows(at) for constraint in imposed]
         acceleration, multipliers = kkt_solve(kkt_build(mass, bias, tau, *rows))
         forces: dict[str, Array] = {}
@@ -219,8 +221,7 @@ class Model(ABC):
             last = first + row.drift.size
             forces[constraint.name] = constraint.force(multipliers[first:last])
             first = last
-        contact = self.rolling
-        if contact is not None and contact.is_whole:
+        if (contact := self.rolling) is not None and contact.is_whole:
             force = forces[contact.name]
         else:
             force = self.support_force(q, v, acceleration)
@@ -239,8 +240,8 @@ class Model(ABC):
             np.float64(5.1012)
         """
         return Equations(
-            np.array(pin.crba(self.model, self.data, q)),
-            np.array(pin.computeCoriolisMatrix(self.model, self.data, q, v)),
+            np.array(joint_inertia(self.model, self.data, q)),
+            coriolis_matrix(self.model, self.data, q, v),
             np.array(pin.computeGeneralizedGravity(self.model, self.data, q)),
         )
 
@@ -252,12 +253,11 @@ class Model(ABC):
 
     def mass_matrix(self, pose: ArrayLike | Placement, leg_angle: ArrayLike) -> Array:
         """M(q) (nv, nv) in the model's Pinocchio coordinates."""
-        return np.array(pin.crba(self.model, self.data, self.configuration(pose, leg_angle)))
+        return np.array(joint_inertia(self.model, self.data, self.configuration(pose, leg_angle)))
 
     def energy(self, q: Array, v: Array) -> tuple[float, float]:
         """Kinetic and potential energy [J]; the potential is zero at the world's origin."""
-        kinetic = pin.computeKineticEnergy(self.model, self.data, q, v)
-        return kinetic, pin.computePotentialEnergy(self.model, self.data, q)
+        return energy(self.model, self.data, q, v)
 
     def momentum(
         self, pose: ArrayLike | Placement, quasi: Array, leg_angle: Array, leg_rate: Array

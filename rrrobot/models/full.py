@@ -10,7 +10,7 @@ from rrrobot import serial
 from rrrobot.checks import Array
 from rrrobot.constraints import RollingContact
 from rrrobot.contact.ground import Ground, Plane
-from rrrobot.contact.kinematics import contact_velocity
+from rrrobot.contact.touching import contact_rate, coordinate_rates, touch, trouble
 from rrrobot.drive.damping import DampingLike
 from rrrobot.models.base import OWN, Model
 from rrrobot.models.gravity import at_gravity, gravity_on
@@ -36,7 +36,9 @@ class FullModel(Model):
         M(q) a + C(q, v) v + G(q) = tau + J^T f + zeta,      J a + gamma = 0
 
     Free-flyer coordinates: q and v of `robot.model`. The minimal state is (quaternion xyzw, contact
-    point in the plane), with the body's angular velocity in the body frame as quasi-velocity.
+    point in the ground's coordinates), with the body's angular velocity in the body frame as
+    quasi-velocity. For a flat belly on a boulder the contact's place on the belly takes the place
+    of that on the ground, which follows from the attitude.
 
     Args:
         robot: any `Robot`, with any strictly convex shell.
@@ -64,13 +66,14 @@ class FullModel(Model):
         rolling = RollingContact.of(robot, ground)
         pin_model = at_gravity(robot.model, gravity_on(robot, ground))
         super().__init__(robot, pin_model, ground=ground, damping=damping, constraints=(rolling,))
-        self._normal = rolling.normal
-        self._tangents = np.array(rolling.basis[:, :2])
         self._center = np.array(robot.shell_placement.translation)
         self._shell_rotation = np.array(robot.shell_placement.rotation)
         self._off_center = bool(np.any(self._center))
-        self._fixed_arm = fixed = robot.shell.fixed_arm(self._normal)
-        self._fixed_travel = None if fixed is None else self._tangents.T @ skew(fixed)
+        self._fixed_arm = self._fixed_travel = None
+        if isinstance(ground, Plane):
+            self._tangents = np.array(ground.basis[:, :2])
+            self._fixed_arm = fixed = robot.shell.fixed_arm(ground.normal_vector)
+            self._fixed_travel = None if fixed is None else self._tangents.T @ skew(fixed)
 
     def make_pose(self, euler: Array, position: Array) -> Array:
         return np.concatenate((quaternion_from_euler(euler), position))
@@ -78,24 +81,34 @@ class FullModel(Model):
     def place(self, pose: Array) -> Placement:
         quaternion = pose[:4] / sqrt(pose[:4] @ pose[:4])
         rotation = rotation_from_quaternion(quaternion)
-        arm = self._arm(rotation) if self._fixed_arm is None else self._fixed_arm
+        contact, position, configuration = None, pose[4:], np.empty(7)
+        if self._fixed_arm is None:
+            robot, ground = self.robot, self.ground
+            contact = touch(robot.shell, ground, rotation @ self._shell_rotation, position)
+            arm, position = contact.arm, ground.coordinates(contact.point)
+            configuration[:3] = contact.point - arm
+        else:
+            arm = self._fixed_arm
+            configuration[:3] = self._tangents @ position - arm
         contact_in_base = arm @ rotation
-        configuration = np.empty(7)
-        configuration[:3] = self._tangents @ pose[4:] - arm
         configuration[3:] = quaternion
         if self._off_center:
             contact_in_base += self._center
             configuration[:3] -= rotation @ self._center
         basis = _ANGULAR.copy()
         basis[:3] = skew(contact_in_base)
-        return Placement(quaternion, pose[4:], rotation, configuration, basis)
+        return Placement(quaternion, position, rotation, configuration, basis, contact)
 
     def quaternions(self, poses: Array) -> Array:
         return poses[:, :4]
 
-    def _arm(self, rotation: Array) -> Array:
-        """Contact arm in the world (3,)."""
-        return self.robot.shell.arm(rotation @ self._shell_rotation, self._normal)
+    def trouble(self, pose: Array) -> str | None:
+        """Why the contact at a pose (n_pose,) is no longer one that rolls, or None."""
+        if self._fixed_arm is not None:
+            return None
+        rotation = rotation_from_quaternion(pose[:4] / sqrt(pose[:4] @ pose[:4]))
+        shell = rotation @ self._shell_rotation
+        return trouble(self.robot.shell, self.ground, shell, pose[4:])
 
     def pose_rate(self, place: Placement, pose: Array, quasi: Array) -> Array:
         omega = place.rotation @ quasi
@@ -104,9 +117,10 @@ class FullModel(Model):
         if self._fixed_travel is not None:
             rate[4:] = self._fixed_travel @ omega
         else:
-            robot, shell = self.robot, place.rotation @ self._shell_rotation
-            travel = contact_velocity(robot.shell, shell, omega, self._normal)
-            rate[4:] = travel @ self._tangents
+            pair, shell = (self.robot.shell, self.ground), place.rotation @ self._shell_rotation
+            contact = place.contact or touch(*pair, shell, pose[4:])
+            moving = contact_rate(*pair, shell, omega, contact)
+            rate[4:] = coordinate_rates(*pair, shell, contact, moving)
         return rate
 
     def quasi_acceleration(self, acceleration: Array) -> Array:

@@ -23,7 +23,7 @@ def reduced_model(
         ModelError: the shell is no sphere about the root link's origin, or the ground not level.
     """
     radius = pivot_radius(robot, kind, ground)
-    urdf = reduced_urdf(robot.urdf, kind, height=radius)
+    urdf = reduced_urdf(robot.rooted_urdf, kind, height=radius)
     model = build_model(urdf, None, robot.legs, robot.locked)
     model.gravity.linear = np.array((0.0, 0.0, -gravity_on(robot, ground) if gravity else 0.0))
     parent = model.getJointId(CHAINS[kind][-1][0])

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from rrrobot.checks import Array
+from rrrobot.contact.touching import Contact
 
 
 class Placement(NamedTuple):
@@ -21,6 +22,8 @@ class Placement(NamedTuple):
     """the body's part of Pinocchio's q, which comes first (body nq,)"""
     basis: Array
     """the body's part of Pinocchio's v per unit of quasi-velocity (body nv, n_quasi)"""
+    contact: Contact | None = None
+    """where the shell touches the ground, where the pose says so"""
 
 
 class Dynamics(NamedTuple):

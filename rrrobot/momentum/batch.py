@@ -6,19 +6,22 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.momentum.coefficients import LANES
-from rrrobot.momentum.compiled import borrowed, in_cache
+from rrrobot.momentum.compiled import borrowed, compiled, in_cache
 from rrrobot.momentum.extremes import LOADS as ALL_LOADS
 from rrrobot.momentum.extremes import evaluate, extremes
-from rrrobot.momentum.kernels import BLOCK, DECOUPLED, N_STAGES, N_STATE, NODES, OK, step
+from rrrobot.momentum.interpolation import interpolation, spline_matrix
+from rrrobot.momentum.kernels import ANY, BLOCK, DECOUPLED, N_STAGES, N_STATE, NODES, OK, step
+from rrrobot.momentum.lane import scratch
 from rrrobot.momentum.lowering import Setting, decoupled_setting, lower
-from rrrobot.momentum.settle import FourierGaits, settle, work_of
+from rrrobot.momentum.normal import N_ANY_MOTION
+from rrrobot.momentum.settle import settle
 from rrrobot.momentum.summary import N_MOTION, N_RESULT, RESULT, ROWS_PER_STEP
 from rrrobot.momentum.vertical import pitch_of
+from rrrobot.momentum.work import FourierGaits, work_of
 
 LOADS = ("friction", "rms_torque", "peak_torque", "power")
 """Further entries of a lane's steady state, on request; see `extremes.LOADS`."""
@@ -63,6 +66,7 @@ def march(
     lanes = y0.shape[0]
     out = np.empty((len(steps) + 1, lanes, N_STATE))
     work = (np.zeros((N_STAGES, BLOCK)), *(np.zeros(n) for n in (BLOCK, BLOCK, 3 * LANES, BLOCK)))
+    rolling = scratch(setting.terrain)
     for first in range(0, lanes, LANES):
         here = slice(first, min(first + LANES, lanes))
         block, table = _padded(y0[here].T), _padded(tables[:, :, here])
@@ -70,7 +74,7 @@ def march(
         parameters = np.repeat(setting.parameters, LANES)
         rows = per_table or len(steps)
         _march_block(block.ravel(), table.reshape(len(table), -1), parameters, steps, rows,
-                     setting.axis, work, history)  # fmt: skip
+                     setting.axis, setting.terrain, rolling, work, history)  # fmt: skip
         n = here.stop - first
         out[:, here] = history.reshape(-1, N_STATE, LANES)[:, :, :n].transpose(0, 2, 1)
     return out
@@ -84,18 +88,24 @@ def _padded(array: Array) -> Array:
     return np.concatenate((array, np.repeat(array[..., -1:], missing, axis=-1)), axis=-1)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def _march_block(y, table, par, steps, rows, axis, work, history):  # type: ignore[no-untyped-def]
-    y, table, par, work, history = (
+@compiled()
+def _march_block(  # type: ignore[no-untyped-def]
+    y, table, par, steps, rows, axis, terrain, rolling, work, history
+):
+    y, table, par, work, history, rolling = (
         borrowed(y), borrowed(table), borrowed(par), borrowed(work), borrowed(history),
+        borrowed(rolling),
     )  # fmt: skip
-    slopes, total, scratch, areas, h = work
+    if terrain is not None:
+        terrain = borrowed(terrain)
+    slopes, total, other, areas, h = work
     for e in range(BLOCK):
         history[0, e] = y[e]
     for n in range(steps.size):
         for e in range(BLOCK):
             h[e] = steps[n]
-        step(y, table, (n % rows) * ROWS_PER_STEP, h, par, axis, slopes, total, scratch, areas)
+        step(y, table, (n % rows) * ROWS_PER_STEP, h, par, axis, slopes, total, other, areas,
+             terrain, rolling)  # fmt: skip
         for e in range(BLOCK):
             history[n + 1, e] = y[e]
 
@@ -116,7 +126,7 @@ def fourier(gaits: Gaits) -> FourierGaits:
     return FourierGaits(gaits.offset, sine[:, None], cosine[:, None], gaits.angular_frequency)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _parts(amplitude, phase, sine, cosine):  # type: ignore[no-untyped-def]
     # One at a time: NumPy's vector loops may round an entry by where it stands.
     for k in range(len(phase)):
@@ -157,7 +167,8 @@ def steady_states(
         gaits: one row a gait.
         cycles: to simulate.
         counted: of these, at the end, over which means are taken; at least 2.
-        steps_per_cycle: 10 give about 3e-7 of the speed on RRRobot.
+        steps_per_cycle: of a sphere: 10 give about 3e-7 of the speed on RRRobot. Shells that are
+            sharper than a sphere take as many times more as their radii of curvature differ.
         yaw_amplitude: of the legs in the yaw model alone (n, legs), for decoupled models; the
             gaits' own if None. The paper's Fig 20.
         loads: whether to have these too (n, N_RESULT + len(LOADS)); NaN for decoupled models. On
@@ -199,15 +210,18 @@ def settled(
     Args:
         motion: whether to keep that of the last cycle.
     """
-    n = len(gaits.offset)
+    n, steps = len(gaits.offset), steps * setting.fineness
+    width = N_ANY_MOTION if setting.axis == ANY else N_MOTION
     found = Settled(
-        np.empty((n, N_RESULT)), np.empty(n), np.empty((n if motion else 0, steps, N_MOTION))
+        np.empty((n, N_RESULT)), np.empty(n), np.empty((n if motion else 0, steps, width))
     )
     harmonics = gaits.sine.shape[1]
+    slope_of, value_of = _derivative(steps, setting.periodic)
     settle(
-        setting.tree, setting.axis, setting.limit, _contiguous(gaits), _contiguous(yaw or gaits),
-        np.ascontiguousarray(cycles, dtype=np.int64), _turns(steps, harmonics), _slope_of(steps),
-        work_of(setting, harmonics, counted, steps), found.motion, found.pitch, found.results,
+        setting.tree, setting.axis, setting.limit, setting.terrain, _contiguous(gaits),
+        _contiguous(yaw or gaits), np.ascontiguousarray(cycles, dtype=np.int64),
+        _turns(steps, harmonics), slope_of, value_of, work_of(setting, harmonics, counted, steps),
+        found.motion, found.pitch, found.results,
     )  # fmt: skip
     return found._replace(pitch=pitch_of(found.pitch))
 
@@ -221,6 +235,19 @@ def _turns(steps: int, harmonics: int) -> Array:
     """Sines and cosines of a gait's phase at the rows of a table (2, rows, harmonics)."""
     turn = 2 * np.pi / steps * np.multiply.outer(stage_times(0, 1, steps), np.arange(harmonics) + 1)
     return np.array((np.sin(turn), np.cos(turn)))
+
+
+@cache
+def _derivative(steps: int, periodic: bool) -> tuple[Array, Array]:
+    """Matrices (points, n) from n samples of a cycle to an interpolation's slopes and values.
+
+    Trigonometric interpolation where the cycle repeats, at 4 n points; else a spline's, between
+    the first sample and the last.
+    """
+    if periodic:
+        return _slope_of(steps), interpolation(steps, 4 * steps)
+    slope, value = (spline_matrix(steps, 4, order) for order in (1, 0))
+    return steps * slope, value
 
 
 @cache

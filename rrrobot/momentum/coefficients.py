@@ -1,6 +1,6 @@
 """How the legs enter: fifteen numbers, functions of (phi, phi_dot), for any tree of joints.
 
-About the shell's centre, in the base's axes, with the sums over all bodies of the robot and u their
+About one point of the base, in its axes, with the sums over all bodies of the robot and u their
 velocities relative to the base,
 
     mc    = sum of m c                      first moment of mass (3)
@@ -18,12 +18,12 @@ from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numba import njit
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.momentum.compiled import borrowed, inner, lanes
+from rrrobot.momentum.compiled import borrowed, compiled, inner, lanes
 from rrrobot.momentum.trigonometry import sine_cosine
+from rrrobot.robot.mimics import Coupling
 from rrrobot.robot.robot import Robot
 
 LANES = 16
@@ -48,6 +48,10 @@ class Tree(NamedTuple):
     """(n,)"""
     leg: NDArray[np.int64]
     """which leg coordinate moves the joint (n,); -1 for the base"""
+    ratio: Array
+    """of the joint's coordinate to the leg's (n,); 1 unless it mimics a leg"""
+    shift: Array
+    """of the joint's coordinate where the leg's is zero (n,) [rad or m]"""
     mass: Array
     """(n,) [kg]"""
     lever: Array
@@ -58,8 +62,14 @@ class Tree(NamedTuple):
     """whether that is zero (n,)"""
 
 
-def tree_of(robot: Robot) -> Tree:
-    """Arrays of a robot's Pinocchio model; positions are relative to the shell's centre."""
+def tree_of(robot: Robot, origin: Array | None = None) -> Tree:
+    """Arrays of a robot's Pinocchio model.
+
+    Args:
+        robot: any robot.
+        origin: of the base's positions, in the base's frame (3,) [m]; the shell's centre if None.
+    """
+    about = robot.shell_placement.translation if origin is None else origin
     model, data = robot.model, robot.model.createData()
     pin.forwardKinematics(model, data, pin.neutral(model), np.zeros(model.nv))
     n = model.njoints - 1
@@ -70,6 +80,8 @@ def tree_of(robot: Robot) -> Tree:
         np.zeros((n, 3)),
         np.zeros(n, dtype=np.bool_),
         np.full(n, -1, dtype=np.int64),
+        np.ones(n),
+        np.zeros(n),
         np.zeros(n),
         np.zeros((n, 3)),
         np.zeros((n, 3, 3)),
@@ -81,7 +93,7 @@ def tree_of(robot: Robot) -> Tree:
         tree.mass[i], tree.lever[i], tree.inertia[i] = body.mass, body.lever, body.inertia
         tree.point[i] = not np.any(tree.inertia[i])
         if i == 0:
-            tree.translation[0] = -robot.shell_placement.translation
+            tree.translation[0] = -about
             continue
         placement = model.jointPlacements[joint]
         tree.parent[i] = model.parents[joint] - 1
@@ -89,7 +101,12 @@ def tree_of(robot: Robot) -> Tree:
         subspace = np.asarray(data.joints[joint].S).reshape(6)
         tree.prismatic[i] = np.any(subspace[:3] != 0)
         tree.axis[i] = subspace[:3] if tree.prismatic[i] else subspace[3:]
-        tree.leg[i] = robot.legs.index(model.names[joint])
+        leg, tree.ratio[i], tree.shift[i] = robot.couplings.get(
+            model.names[joint], Coupling(model.names[joint], 1.0, 0.0)
+        )
+        # Pinocchio's axis of a mimic joint is per unit of the leg's coordinate.
+        tree.axis[i] /= tree.ratio[i]
+        tree.leg[i] = robot.legs.index(leg)
     return tree
 
 
@@ -144,7 +161,7 @@ def fill(tree: Tree, angle: Array, rate: Array, out: Array) -> None:
     _fill(tree, angle, rate, lane_work(tree), np.empty((1, N_COEFFICIENTS * LANES)), out)
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _fill(tree, angle, rate, work, row, out):  # type: ignore[no-untyped-def]
     tree, work, row = borrowed(tree), borrowed(work), borrowed(row)
     n, legs = angle.shape
@@ -181,17 +198,18 @@ def fill_lanes(tree, work, table, at):  # type: ignore[no-untyped-def]
 def _move(tree, i, angle, rate, work):  # type: ignore[no-untyped-def]
     """Placement and relative velocity of body i after its joint's motion."""
     joint, parent, own = work[tree.mass.size], work[tree.parent[i]], work[i]
+    ratio, shift = tree.ratio[i], tree.shift[i]
     # cos, sin, sliding, turning rate and sliding rate of the joint.
     if tree.prismatic[i]:
         for k in range(LANES):
             joint[k], joint[LANES + k] = 1.0, 0.0
-            joint[2 * LANES + k] = angle[k]
-            joint[3 * LANES + k], joint[4 * LANES + k] = 0.0, rate[k]
+            joint[2 * LANES + k] = ratio * angle[k] + shift
+            joint[3 * LANES + k], joint[4 * LANES + k] = 0.0, ratio * rate[k]
     else:
         for k in range(LANES):
-            joint[LANES + k], joint[k] = sine_cosine(angle[k])
+            joint[LANES + k], joint[k] = sine_cosine(ratio * angle[k] + shift)
             joint[2 * LANES + k] = 0.0
-            joint[3 * LANES + k], joint[4 * LANES + k] = rate[k], 0.0
+            joint[3 * LANES + k], joint[4 * LANES + k] = ratio * rate[k], 0.0
     x, y, z = tree.axis[i, 0], tree.axis[i, 1], tree.axis[i, 2]
     f00, f01, f02 = tree.rotation[i, 0, 0], tree.rotation[i, 0, 1], tree.rotation[i, 0, 2]
     f10, f11, f12 = tree.rotation[i, 1, 0], tree.rotation[i, 1, 1], tree.rotation[i, 1, 2]
@@ -229,7 +247,7 @@ def _move(tree, i, angle, rate, work):  # type: ignore[no-untyped-def]
         own[17 * LANES + k] += parent[17 * LANES + k] + (w0 * dy - w1 * dx)
 
 
-@njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "nsz"})
+@compiled(fastmath={"contract", "nsz"})
 def _add_body(tree, i, work, out):  # type: ignore[no-untyped-def]
     """Add body i's mass, inertia and momentum in every lane."""
     own = work[i]

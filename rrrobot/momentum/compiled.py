@@ -3,9 +3,6 @@
 Numba counts the references to an array with atomic instructions, at the entry of functions and at
 every row that is taken; in the engine that took as long as the arithmetic. A borrowed array is the
 same memory with no owner to count for.
-
-Numba's cache of compiled code knows when the file of a function changes, but not when the file of
-one that it calls does: after an edit of anything in this folder, delete its `__pycache__`.
 """
 
 from __future__ import annotations
@@ -16,16 +13,24 @@ from numba import njit, types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
-_OPTIONS: dict[str, Any] = {
-    "cache": True,
-    "nogil": True,
-    "error_model": "numpy",
-    "no_cpython_wrapper": True,
-    "no_cfunc_wrapper": True,
-}
-inner: Any = njit(**_OPTIONS)
+from rrrobot.momentum.cache import EngineCache
+
+
+def compiled(**options: Any) -> Any:
+    """Decorator: compile a function of the engine; its code is kept as `cache` says."""
+
+    def decorate(function: Any) -> Any:
+        dispatcher: Any = njit(nogil=True, error_model="numpy", **options)(function)
+        dispatcher._cache = EngineCache(function)
+        return dispatcher
+
+    return decorate
+
+
+_BARE: dict[str, Any] = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+inner: Any = compiled(**_BARE)
 """Compiles a function that only compiled functions call; its wrappers would take as long again."""
-lanes: Any = njit(**_OPTIONS, fastmath={"contract", "nsz", "arcp"})
+lanes: Any = compiled(**_BARE, fastmath={"contract", "nsz", "arcp"})
 """Likewise, with products and sums contracted: for loops over lanes, all of which it rounds
 alike."""
 
@@ -65,7 +70,7 @@ def in_cache(function: Any) -> bool:
     """Whether a compiled function is ready: in this process, or on disk for this processor.
 
     Args:
-        function: what `njit(cache=True)` made. Numba offers no question like this, so this looks
+        function: what `compiled` made. Numba offers no question like this, so this looks
             into its cache's index; should that have moved, the answer is yes.
     """
     if function.signatures:

@@ -8,19 +8,20 @@ extremes are polished on the interpolant.
 
 from __future__ import annotations
 
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
-from numba import njit
 
 from rrrobot.checks import Array
 from rrrobot.momentum.coefficients import LANES, N_COEFFICIENTS, LaneWork, fill_lanes, lane_work
-from rrrobot.momentum.compiled import borrowed, inner
+from rrrobot.momentum.compiled import borrowed, compiled, inner
 from rrrobot.momentum.forces import Bodies, bodies
+from rrrobot.momentum.interpolation import interpolation, spline_matrix
 from rrrobot.momentum.loads import FRICTION, TORQUE, loads, n_signals
 from rrrobot.momentum.lowering import Setting
-from rrrobot.momentum.settle import FourierGaits
+from rrrobot.momentum.normal import N_ANY_MOTION
+from rrrobot.momentum.work import FourierGaits
+from rrrobot.robot.limits import CREEP
 
 LOADS = ("normal_force", "friction", "rms_torque", "peak_torque", "power", "clearance")
 """Least normal force [N]; largest friction coefficient that is needed, infinite if the normal force
@@ -46,7 +47,7 @@ class Work(NamedTuple):
     coefficients: Array
     """of one (15,)"""
     motion: Array
-    """z_body and angular velocity at an instant (6,)"""
+    """z_body, angular velocity and, on any ground, the contact's at an instant (N_ANY_MOTION,)"""
     leg: Array
     """angles, rates and accelerations (3, legs)"""
     signals: Array
@@ -70,15 +71,22 @@ def extremes(setting: Setting, gaits: FourierGaits, motion: Array) -> Array:
         setting: of a model; not decoupled ones.
         gaits: one row a gait.
         motion: z_body and angular velocity in the body's axes at equal steps of a cycle that
-            begins at phase zero (n, steps, 6).
+            begins at phase zero, and the contact's where the axis is ANY (n, steps, entries).
+            Where the motion does not repeat, its last interval is left out.
     """
     steps, (n, legs) = motion.shape[1], gaits.offset.shape
-    instants, n_bodies = _REFINED * steps, setting.tree.mass.size
-    points = instants * -(-_FINE // instants)
+    instants, n_bodies = steps * (_REFINED if setting.periodic else 1), setting.tree.mass.size
+    times = -(-_FINE // instants)
+    if setting.periodic:
+        refine, finer = interpolation(steps, instants), interpolation(instants, instants * times)
+    else:
+        refine, finer = np.eye(steps), spline_matrix(steps, times, 0)
+    points = len(finer)
     rows = n_signals(legs, n_bodies)
     work = Work(
         lane_work(setting.tree), bodies(n_bodies), np.zeros((1, N_COEFFICIENTS * LANES)),
-        np.zeros(N_COEFFICIENTS), np.zeros(6), np.zeros((3, legs)), np.zeros((instants, rows)),
+        np.zeros(N_COEFFICIENTS), np.zeros(N_ANY_MOTION), np.zeros((3, legs)),
+        np.zeros((instants, rows)),
         np.zeros((points, rows)), np.zeros(points), np.zeros(rows),
         np.zeros(2 + legs),
     )  # fmt: skip
@@ -90,26 +98,15 @@ def extremes(setting: Setting, gaits: FourierGaits, motion: Array) -> Array:
         * np.multiply.outer(np.arange(instants), np.arange(gaits.sine.shape[1]) + 1)
     )
     evaluate(
-        setting.tree, setting.parameters, setting.axis, setting.leg_damping, tuple(gaits), motion,
-        np.array((np.sin(turn), np.cos(turn))), _interpolation(steps, instants),
-        _interpolation(instants, points), work, out,
+        setting.tree, setting.parameters, setting.axis, setting.leg_loss, tuple(gaits), motion,
+        np.array((np.sin(turn), np.cos(turn))), refine, finer, setting.periodic, work, out,
     )  # fmt: skip
     return out
 
 
-@cache
-def _interpolation(n: int, points: int) -> Array:
-    """Matrix (points, n) from n samples of a period to their trigonometric interpolation."""
-    spectrum = np.fft.rfft(np.eye(n), axis=0)
-    if n % 2 == 0:
-        # Half of the Nyquist term stands at each end of the longer spectrum.
-        spectrum[-1] *= 0.5
-    return np.ascontiguousarray(points / n * np.fft.irfft(spectrum, points, axis=0))
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def evaluate(  # type: ignore[no-untyped-def]
-    tree, parameters, axis, leg_damping, gaits, motion, turns, refine, finer, work, out
+    tree, parameters, axis, leg_loss, gaits, motion, turns, refine, finer, periodic, work, out
 ):
     """Loads of gaits; see `extremes`."""
     tree, parameters, gaits = borrowed(tree), borrowed(parameters), borrowed(gaits)
@@ -121,14 +118,20 @@ def evaluate(  # type: ignore[no-untyped-def]
         _product(finer, work.signals, work.fine)
         for leg in range(n_legs):
             for k in range(len(work.fine)):
-                # The motors also overcome the damping of their joints.
+                # The motors also overcome the damping and the friction of their joints.
                 x = work.fine[k]
-                x[TORQUE + leg] += leg_damping * x[TORQUE + n_legs + leg]
+                rate = x[TORQUE + n_legs + leg]
+                x[TORQUE + leg] += leg_loss[0, leg] * rate + leg_loss[1, leg] * np.tanh(
+                    rate / CREEP
+                )
             for k in range(len(work.signals)):
                 x = work.signals[k]
-                x[TORQUE + leg] += leg_damping * x[TORQUE + n_legs + leg]
+                rate = x[TORQUE + n_legs + leg]
+                x[TORQUE + leg] += leg_loss[0, leg] * rate + leg_loss[1, leg] * np.tanh(
+                    rate / CREEP
+                )
         for kind in range(2 + n_legs):
-            work.tops[kind] = _top(work, kind)
+            work.tops[kind] = _top(work, kind, periodic)
         row = out[g]
         row[0], row[1] = -work.tops[0], np.nan
         if parameters[1] > 0.0:
@@ -163,13 +166,13 @@ def _signals(tree, parameters, axis, gaits, g, motion, turns, refine, work):  # 
         for k in range(first, min(first + LANES, n)):
             for c in range(N_COEFFICIENTS):
                 work.coefficients[c] = work.table[0, c * LANES + k - first]
-            for s in range(6):
+            for s in range(motion.shape[2]):
                 work.motion[s] = 0.0
                 for m in range(motion.shape[1]):
                     work.motion[s] += refine[k, m] * motion[g, m, s]
             _legs(omega[g], offset[g], sine[g], cosine[g], turns, k, work.leg)
-            loads(tree, work.motion[:3], work.motion[3:], work.coefficients, work.leg, parameters,
-                  axis, work.bodies, work.signals[k])  # fmt: skip
+            loads(tree, work.motion, work.coefficients, work.leg, parameters, axis, work.bodies,
+                  work.signals[k])  # fmt: skip
 
 
 @inner
@@ -208,13 +211,15 @@ def _value(x, kind):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _top(work, kind):  # type: ignore[no-untyped-def]
+def _top(work, kind, periodic):  # type: ignore[no-untyped-def]
     """Largest value over a cycle."""
     values, n = work.values, len(work.values)
     best = -np.inf
     for k in range(n):
         values[k] = _value(work.fine[k], kind)
         best = max(best, values[k])
+    if not periodic:
+        return best
     least = best - _NEAR * abs(best)
     for k in range(n):
         left, here, right = values[(k + n - 1) % n], values[k], values[(k + 1) % n]

@@ -1,9 +1,10 @@
 """Contact force and motor torques at a state of a prescribed gait, compiled, for many gaits.
 
-Recursive Newton-Euler over the engine's tree of bodies, in the body's axes about the shell's
-centre C. With s the vector from the pivot to C, up = R^T z and alpha = w_dot,
+Recursive Newton-Euler over the engine's tree of bodies, in the body's axes about a point C of
+it, the shell's centre or the base's origin. With s the vector from the pivot to C, up = R^T z and
+alpha = w_dot,
 
-    a_C = alpha x s                                  (a sphere that rolls, or s = 0)
+    a_C = alpha x s + w x (w x s - x_dot)            the second part is zero of a sphere on a plane
     f_i = m_i (a_i + g up),    n_i = I_i alpha_i + w_i x I_i w_i
     sum of (s + c_i) x f_i + n_i = damping moment    gives alpha
 
@@ -44,7 +45,7 @@ class Bodies(NamedTuple):
     height: Array
     """of the mass centre over C (n,) [m]"""
     vector: Array
-    """for what lives within one function only (9, 3); the last three are the caller's"""
+    """for what lives within one function only (10, 3); the last four are the caller's"""
     work: Array
     """likewise (6,)"""
 
@@ -55,7 +56,7 @@ def bodies(n: int) -> Bodies:
     origin, axis, omega, alpha, acceleration, force, moment = rows
     return Bodies(
         np.zeros((n, 3, 3)), origin, axis, omega, alpha, acceleration, force, moment, np.zeros(n),
-        np.zeros((9, 3)), np.zeros(6),
+        np.zeros((10, 3)), np.zeros(6),
     )  # fmt: skip
 
 
@@ -76,8 +77,11 @@ def _add_cross(a, b, out, scale):  # type: ignore[no-untyped-def]
 
 
 @inner
-def sweep(tree, leg, w, alpha, s, up, gravity, b):  # type: ignore[no-untyped-def]
-    """Fill the scratch b for legs (3, legs): angles, rates, accelerations."""
+def sweep(tree, leg, w, alpha, s, drag, up, high, gravity, b):  # type: ignore[no-untyped-def]
+    """Fill the scratch b for legs (3, legs): angles, rates, accelerations.
+
+    `drag` is w x (w x s - x_dot); heights are along `high`, the ground's normal.
+    """
     n = tree.mass.size
     for a in range(3):
         for e in range(3):
@@ -85,14 +89,16 @@ def sweep(tree, leg, w, alpha, s, up, gravity, b):  # type: ignore[no-untyped-de
         b.origin[0, a], b.omega[0, a], b.alpha[0, a] = tree.translation[0, a], w[a], alpha[a]
     turning = b.vector[0]
     _cross(alpha, s, b.acceleration[0])
+    for a in range(3):
+        b.acceleration[0, a] += drag[a]
     _cross(w, b.origin[0], turning)
     _add_cross(w, turning, b.acceleration[0], 1.0)
     _add_cross(alpha, b.origin[0], b.acceleration[0], 1.0)
-    _load(tree, 0, b, up, gravity)
+    _load(tree, 0, b, up, high, gravity)
     for i in range(1, n):
         _place(tree, i, leg, b)
         _accelerate(tree, i, leg, b)
-        _load(tree, i, b, up, gravity)
+        _load(tree, i, b, up, high, gravity)
     for i in range(n - 1, 0, -1):
         p = tree.parent[i]
         for a in range(3):
@@ -103,7 +109,7 @@ def sweep(tree, leg, w, alpha, s, up, gravity, b):  # type: ignore[no-untyped-de
 @inner
 def _place(tree, i, leg, b):  # type: ignore[no-untyped-def]
     """Rotation, axis and origin of body i."""
-    p, q = tree.parent[i], leg[0, tree.leg[i]]
+    p, q = tree.parent[i], tree.ratio[i] * leg[0, tree.leg[i]] + tree.shift[i]
     x, y, z = tree.axis[i, 0], tree.axis[i, 1], tree.axis[i, 2]
     t = tree.translation[i]
     prismatic = tree.prismatic[i]
@@ -130,7 +136,8 @@ def _place(tree, i, leg, b):  # type: ignore[no-untyped-def]
 def _accelerate(tree, i, leg, b):  # type: ignore[no-untyped-def]
     """Velocities and accelerations of body i, carried by its parent and moved by its joint."""
     p, lever, turning = tree.parent[i], b.vector[0], b.vector[1]
-    rate, acceleration = leg[1, tree.leg[i]], leg[2, tree.leg[i]]
+    k, ratio = tree.leg[i], tree.ratio[i]
+    rate, acceleration = ratio * leg[1, k], ratio * leg[2, k]
     axis, w, alpha, a_origin = b.axis[i], b.omega[i], b.alpha[i], b.acceleration[i]
     for a in range(3):
         lever[a] = b.origin[i, a] - b.origin[p, a]
@@ -151,7 +158,7 @@ def _accelerate(tree, i, leg, b):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _load(tree, i, b, up, gravity):  # type: ignore[no-untyped-def]
+def _load(tree, i, b, up, high, gravity):  # type: ignore[no-untyped-def]
     """Force and moment about C that move body i, and the height of its mass centre."""
     arm, turning, centre, force = b.vector[0], b.vector[1], b.vector[2], b.force[i]
     r, lever, w, mass = b.rotation[i], tree.lever[i], b.omega[i], tree.mass[i]
@@ -165,7 +172,7 @@ def _load(tree, i, b, up, gravity):  # type: ignore[no-untyped-def]
     for a in range(3):
         force[a] *= mass
     _cross(centre, force, b.moment[i])
-    b.height[i] = centre[0] * up[0] + centre[1] * up[1] + centre[2] * up[2]
+    b.height[i] = centre[0] * high[0] + centre[1] * high[1] + centre[2] * high[2]
     if not tree.point[i]:
         _add_rotation(tree.inertia[i], r, w, b.alpha[i], b.moment[i], b.vector)
 

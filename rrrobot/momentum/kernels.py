@@ -21,6 +21,7 @@ from scipy.integrate import DOP853
 
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import lanes
+from rrrobot.momentum.rolling import rolling_rates
 from rrrobot.momentum.trigonometry import sine_cosine
 
 N_STATE = 10
@@ -35,11 +36,13 @@ NODES = np.unique(DOP853.C[:N_STAGES])
 """Distinct instants of the stages within a step, from 0 to 1; the last is the next step's first."""
 _NODE = np.searchsorted(NODES, DOP853.C[:N_STAGES])
 
-DECOUPLED = 3
-"""The `axis` of three single-axis models that share a path."""
-OK, VERTICAL, NOT_FINITE, LIFT_OFF = 0, 1, 2, 3
+ANY, DECOUPLED = -2, 3
+"""The `axis` of a body that rolls with any shell on any ground, and of three single-axis models
+that share a path; -1 is all axes of a sphere on level ground or a pivot."""
+OK, VERTICAL, NOT_FINITE, LIFT_OFF, GROUND_END, TIGHT = 0, 1, 2, 3, 4, 5
 """Why a lane has no steady state: it has one; a pitch of +-90 degrees; a number that is not finite;
-the settled motion would lift off the ground."""
+the settled motion would lift off the ground; the contact came to a boulder's equator, a belly's
+edge or a graph's last cell; the ground curves tighter than the shell, which touches it twice."""
 
 
 _FOUR = 4
@@ -265,7 +268,9 @@ def _advance(y, slopes, which, weights, n, h, total, out):  # type: ignore[no-un
 
 
 @lanes
-def step(y, table, at, h, par, axis, slopes, total, work, areas):  # type: ignore[no-untyped-def]
+def step(  # type: ignore[no-untyped-def]
+    y, table, at, h, par, axis, slopes, total, work, areas, terrain, rolling
+):
     """One step of every lane, in place; adds the integrals of x, y and yaw to areas (3 LANES,).
 
     Args:
@@ -273,9 +278,10 @@ def step(y, table, at, h, par, axis, slopes, total, work, areas):  # type: ignor
         table: coefficients (nodes, 15 LANES), `at` the row where this step begins.
         h: step of each lane, the same for each entry of its state (BLOCK,) [s].
         par: parameters (N_PARAMETER LANES,).
-        axis: -1 all axes; 0-2 that body axis only; 3 the three single-axis models.
+        axis: -1 all axes; 0-2 that body axis only; 3 the three single-axis models; ANY.
         slopes: scratch (N_STAGES, BLOCK); its first row then holds the rates at the step's start.
         total, work: scratch (BLOCK,), (BLOCK,).
+        terrain, rolling: shell and ground, and scratch for them, where axis is ANY; else None.
     """
     for stage in range(N_STAGES + 1):
         if stage == 0:
@@ -290,11 +296,15 @@ def step(y, table, at, h, par, axis, slopes, total, work, areas):  # type: ignor
             for e in range(3 * LANES):
                 areas[e] += b * h[e] * work[7 * LANES + e]
         row = at + _NODE[stage]
-        if axis < 0:
-            _rates(work, table, row, par, slopes, stage)
-        elif axis < DECOUPLED:
-            _axis_rates(work, table, row, par, slopes, stage, axis)
+        # Numba leaves out the branch that the type of terrain rules out.
+        if terrain is None:
+            if axis < 0:
+                _rates(work, table, row, par, slopes, stage)
+            elif axis < DECOUPLED:
+                _axis_rates(work, table, row, par, slopes, stage, axis)
+            else:
+                _decoupled_rates(work, table, row, par, slopes, stage)
         else:
-            _decoupled_rates(work, table, row, par, slopes, stage)
+            rolling_rates(work, table, row, par, slopes, stage, terrain, rolling)
     for e in range(BLOCK):
         y[e] = work[e]

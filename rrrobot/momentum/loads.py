@@ -8,15 +8,15 @@ The angular acceleration follows from the moment about the pivot, which is linea
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
-from rrrobot.momentum.compiled import inner
+from rrrobot.momentum.compiled import compiled, inner
 from rrrobot.momentum.forces import sweep
+from rrrobot.momentum.kernels import ANY
 
 FRICTION, TORQUE = 1, 4
 """Rows of the signals: first the normal force; then three components of the friction force in the
 body's axes; for each leg its torque, for each its rate; for each body the height of its mass centre
-above the ground."""
+above the ground, or above the tangent plane at the contact where the ground curves."""
 _MASSLESS = 1e9
 """Height [m] of bodies that cannot touch the ground because they are not there."""
 
@@ -87,23 +87,38 @@ def accelerate(c, axis, s, w, right, mass, out):  # type: ignore[no-untyped-def]
         out[a] = right[a] / w[a] if a == axis else 0.0
 
 
-@njit(cache=True, nogil=True, error_model="numpy")
-def loads(tree, up, w, c, leg, parameters, axis, b, out):  # type: ignore[no-untyped-def]
+@compiled()
+def loads(tree, motion, c, leg, parameters, axis, b, out):  # type: ignore[no-untyped-def]
     """Signals of one state.
 
     Args:
         tree, parameters, axis: of the setting.
-        up, w: z_body and the angular velocity, both in the body's axes (3,).
+        motion: z_body and the angular velocity, both in the body's axes (3 each); where axis is
+            ANY, then n, s and x_dot.
         c: coefficients (15,).
         leg: angles, rates and accelerations (3, legs).
         b: scratch, see `bodies`.
         out: filled (n_signals,).
     """
-    s, alpha, right, work = b.vector[6], b.vector[7], b.vector[8], b.work
+    drag, s, alpha, right, work = b.vector[6], b.vector[7], b.vector[8], b.vector[9], b.work
     force, moment = b.force[0], b.moment[0]
-    for a in range(3):
-        s[a], alpha[a] = parameters[1] * up[a], 0.0
-    sweep(tree, leg, w, alpha, s, up, parameters[3], b)
+    up, w, high, above = motion[:3], motion[3:6], motion[:3], parameters[2]
+    if axis == ANY:
+        high, rate, above = motion[6:9], motion[12:15], 0.0
+        for a in range(3):
+            s[a], alpha[a] = motion[9 + a], 0.0
+            above += high[a] * s[a]
+        # w x (w x s - x_dot); alpha is free until it is solved for.
+        for a in range(3):
+            d, e = (a + 1) % 3, (a + 2) % 3
+            right[a] = w[d] * s[e] - w[e] * s[d] - rate[a]
+        for a in range(3):
+            d, e = (a + 1) % 3, (a + 2) % 3
+            drag[a] = w[d] * right[e] - w[e] * right[d]
+    else:
+        for a in range(3):
+            s[a], alpha[a], drag[a] = parameters[1] * up[a], 0.0, 0.0
+    sweep(tree, leg, w, alpha, s, drag, up, high, parameters[3], b)
     if axis < 0:
         damping_moment(w, up, parameters, right)
     else:
@@ -113,17 +128,18 @@ def loads(tree, up, w, c, leg, parameters, axis, b, out):  # type: ignore[no-unt
         d, e = (a + 1) % 3, (a + 2) % 3
         right[a] -= moment[a] + s[d] * force[e] - s[e] * force[d]
     accelerate(c, axis, s, work, right, parameters[0], alpha)
-    sweep(tree, leg, w, alpha, s, up, parameters[3], b)
-    out[0] = force[0] * up[0] + force[1] * up[1] + force[2] * up[2]
+    sweep(tree, leg, w, alpha, s, drag, up, high, parameters[3], b)
+    out[0] = force[0] * high[0] + force[1] * high[1] + force[2] * high[2]
     for a in range(3):
-        out[1 + a] = force[a] - out[0] * up[a]
+        out[1 + a] = force[a] - out[0] * high[a]
     n_legs = leg.shape[1]
+    for k in range(n_legs):
+        out[TORQUE + k], out[TORQUE + n_legs + k] = 0.0, leg[1, k]
     for i in range(tree.mass.size):
         held = i > 0 and tree.mass[i] > 0.0
-        out[TORQUE + 2 * n_legs + i] = parameters[2] + b.height[i] if held else _MASSLESS
+        out[TORQUE + 2 * n_legs + i] = above + b.height[i] if held else _MASSLESS
         if i > 0:
-            k = tree.leg[i]
-            out[TORQUE + k], out[TORQUE + n_legs + k] = _motor(tree, i, b), leg[1, k]
+            out[TORQUE + tree.leg[i]] += tree.ratio[i] * _motor(tree, i, b)
 
 
 @inner

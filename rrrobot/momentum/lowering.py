@@ -16,12 +16,16 @@ from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.momentum.coefficients import Tree, tree_of
-from rrrobot.momentum.kernels import DECOUPLED
+from rrrobot.momentum.kernels import ANY, DECOUPLED
+from rrrobot.momentum.terrain import LEVEL, Terrain, fineness, terrain_of
 from rrrobot.robot.robot import Robot
 
 VERTICAL = float(np.sin(VERTICAL_PITCH))
 """Sine of the pitch at which a lane stops whose model is singular at the vertical."""
 _ANY_PITCH = 2.0
+_LARGE = 1.0
+"""Radius [m] from which on numbers about a sphere's centre would lose digits that those about the
+base's origin keep."""
 MODELS: tuple[type[Model], ...] = (FullModel, PivotingModel, RollModel, PitchModel, YawModel)
 """What the engine computes."""
 
@@ -33,11 +37,22 @@ class Setting(NamedTuple):
     parameters: Array
     """(N_PARAMETER,), as the kernels take them"""
     axis: int
-    """-1 for all axes, 0-2 for the one that is free, DECOUPLED for three models side by side"""
+    """-1 for all axes, 0-2 for the one that is free, DECOUPLED for three models side by side, ANY
+    for a body with any shell on any ground"""
     limit: float
     """of the sine of the pitch, where a lane stops; above 1 for models without a singularity"""
-    leg_damping: float
-    """of the leg joints [N m s/rad], which the motors overcome"""
+    leg_loss: Array
+    """damping [N m s/rad] and friction [N m] of the leg joints (2, legs), motors overcome both"""
+    terrain: Terrain | None
+    """the shell on the ground, where the axis is ANY; else None, and the engine is compiled
+    without what it would need"""
+    fineness: int
+    """how many times the steps of a sphere the shell needs"""
+
+    @property
+    def periodic(self) -> bool:
+        """Whether a settled motion repeats in the body's axes wherever it has come to."""
+        return self.terrain is None or bool(self.terrain.ground == LEVEL)
 
 
 def lower(model: Model) -> Setting:
@@ -55,25 +70,21 @@ def lower(model: Model) -> Setting:
             f"the momentum engine does not know {type(model).__qualname__}: it computes exactly "
             f"{', '.join(kind.__name__ for kind in MODELS)}. Use method='kkt'."
         )
-    if type(shell) is not Sphere or type(model.ground) is not Plane or not model.ground.is_level:
-        raise ModelError(
-            f"the momentum engine needs a spherical shell on level ground; here are {shell} on "
-            f"{model.ground!r}. Use method='kkt'."
-        )
-    rolls = model.rolling is not None
-    travels = type(model) is not YawModel
-    radius = shell.radius
-    numbers = (
-        robot.mass,
-        radius * rolls,
-        radius * travels,
-        model.gravity,
-        *_damping(model.damping),
-    )
-    axis = model.axes[0] if len(model.axes) == 1 else -1
     limit = VERTICAL if model.singular_at_vertical else _ANY_PITCH
-    legs = model.damping.leg_coefficient
-    return Setting(tree_of(robot), np.array(numbers), axis, limit, legs)
+    joints, losses = robot.joints, _damping(model.damping)
+    legs = np.array((joints.damping + model.damping.leg_coefficient, joints.friction))
+    frame = robot.shell_placement
+    level = type(model.ground) is Plane and model.ground.is_level
+    if type(shell) is Sphere and level and shell.radius <= _LARGE:
+        rolls, travels = model.rolling is not None, type(model) is not YawModel
+        radii = (shell.radius * rolls, shell.radius * travels)
+        axis = model.axes[0] if len(model.axes) == 1 else -1
+        numbers = np.array((robot.mass, *radii, model.gravity, *losses))
+        return Setting(tree_of(robot), numbers, axis, limit, legs, None, 1)
+    terrain = terrain_of(shell, (frame.translation, frame.rotation), model.ground)
+    numbers = np.array((robot.mass, 1.0, 0.0, model.gravity, *losses))
+    tree = tree_of(robot, np.zeros(3))
+    return Setting(tree, numbers, ANY, limit, legs, terrain, fineness(shell))
 
 
 def decoupled_setting(
@@ -88,7 +99,8 @@ def decoupled_setting(
     first = lower(models[0])
     parameters = first.parameters.copy()
     parameters[4:7] = losses
-    return Setting(first.tree, parameters, DECOUPLED, _ANY_PITCH, 0.0)
+    none = np.zeros_like(first.leg_loss)
+    return first._replace(parameters=parameters, axis=DECOUPLED, limit=_ANY_PITCH, leg_loss=none)
 
 
 def _damping(damping: Damping) -> tuple[float, float, float, float]:

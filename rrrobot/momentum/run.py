@@ -9,9 +9,10 @@ from rrrobot.drive.gaits import Gait
 from rrrobot.errors import GaitError
 from rrrobot.integrate import Integration, Observer, Progress
 from rrrobot.models.base import Model
+from rrrobot.models.terms import Placement
 from rrrobot.momentum.batch import ROWS_PER_STEP, Setting, lower, march, stage_times
-from rrrobot.momentum.coefficients import coefficients
-from rrrobot.momentum.kernels import N_STAGES
+from rrrobot.momentum.coefficients import N_COEFFICIENTS, fill
+from rrrobot.momentum.kernels import ANY, N_STAGES
 from rrrobot.rotations import euler_from_quaternion, euler_rates
 
 _SYMMETRIC = np.array(((3, 6, 7), (6, 4, 8), (7, 8, 5)))
@@ -35,7 +36,7 @@ def run(
     Every sample interval is divided into equal steps of DOP853, none longer than `longest` [s].
 
     Raises:
-        ModelError: the robot's shell is no sphere on level ground.
+        ModelError: the engine does not know the model, its damping, its shell or its ground.
         GaitError: the gait is not finite somewhere.
     """
     setting = lower(model)
@@ -94,22 +95,24 @@ def _march(
         for start, end, n in zip(times, times[1:], counts, strict=False)
     ]
     instants = np.append(np.concatenate(rows), times[-1])
-    table = _coefficients(model, gait, instants)
+    table = _coefficients(setting, gait, instants)
     return march(setting, table[:, :, None], lengths, lane[None])[:, 0]
 
 
-def _coefficients(model: Model, gait: Gait, instants: Array) -> Array:
+def _coefficients(setting: Setting, gait: Gait, instants: Array) -> Array:
     motion = gait(instants)
     if not (np.all(np.isfinite(motion.angle)) and np.all(np.isfinite(motion.rate))):
         bad = ~np.all(np.isfinite(motion.angle) & np.isfinite(motion.rate), axis=1)
         raise GaitError(f"the gait is not finite at t = {instants[bad][0]:.6g} s.")
-    return coefficients(model.robot, motion.angle, motion.rate)
+    table = np.empty((len(instants), N_COEFFICIENTS))
+    angle, rate = np.ascontiguousarray(motion.angle), np.ascontiguousarray(motion.rate)
+    fill(setting.tree, angle, rate, table)
+    return table
 
 
-def _inertia(setting: Setting, c: Array, up: Array) -> tuple[Array, Array]:
-    """I_P (n, 3, 3) about the pivot and the legs' own K (n, 3), for states with z_body = up."""
-    mass, radius = setting.parameters[:2]
-    s, mc = radius * up, c[:, :3]
+def _inertia(setting: Setting, c: Array, s: Array) -> tuple[Array, Array]:
+    """I_P (n, 3, 3) about the pivot and the legs' own K (n, 3), for states with that s (n, 3)."""
+    mass, mc = setting.parameters[0], c[:, :3]
     inertia = c[:, _SYMMETRIC]
     whole = 2 * np.sum(s * mc, axis=1) + mass * np.sum(s * s, axis=1)
     inertia += whole[:, None, None] * np.eye(3)
@@ -122,22 +125,36 @@ def _lane(model: Model, setting: Setting, gait: Gait, y0: Array, time: float) ->
     """Engine state (N_STATE,) of a model's state vector."""
     pose, quasi, _ = model.split(y0)
     place = model.place(pose)
-    c = _coefficients(model, gait, np.array([time]))
-    inertia, own = _inertia(setting, c, place.rotation[2:])
+    c = _coefficients(setting, gait, np.array([time]))
+    if setting.axis == ANY:
+        s, position = _from_contact(place), pose[4:]
+    else:
+        s, position = setting.parameters[1] * place.rotation[2], place.position
+    inertia, own = _inertia(setting, c, s[None])
     momentum = inertia[0] @ model.body_velocity(place, quasi) + own[0]
     if setting.axis >= 0:
         # Along locked axes the guides hold whatever momentum there is.
         momentum[np.arange(3) != setting.axis] = 0.0
     yaw = euler_from_quaternion(place.quaternion)[2]
-    return np.concatenate((place.quaternion, momentum, place.position, [yaw]))
+    return np.concatenate((place.quaternion, momentum, position, [yaw]))
+
+
+def _from_contact(place: Placement) -> Array:
+    """s, from the contact to the base's origin in the base (3,); the basis holds -[s]."""
+    return np.array((place.basis[1, 2], place.basis[2, 0], place.basis[0, 1]))
 
 
 def _model_states(model: Model, setting: Setting, gait: Gait, lanes: Array, times: Array) -> Array:
     """Model's state vectors (n, ny) of engine states (n, N_STATE)."""
     quaternion = lanes[:, :4] / np.linalg.norm(lanes[:, :4], axis=1, keepdims=True)
-    x, y, z, w = quaternion.T
-    up = np.column_stack((2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)))
-    inertia, own = _inertia(setting, _coefficients(model, gait, times), up)
+    if setting.axis == ANY:
+        poses = np.column_stack((quaternion, lanes[:, 7:9]))
+        s = np.array([_from_contact(model.place(pose)) for pose in poses]).reshape(-1, 3)
+    else:
+        x, y, z, w = quaternion.T
+        up = np.column_stack((2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)))
+        s = setting.parameters[1] * up
+    inertia, own = _inertia(setting, _coefficients(setting, gait, times), s)
     free = lanes[:, 4:7] - own
     if setting.axis >= 0:
         a = setting.axis

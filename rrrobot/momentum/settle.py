@@ -7,35 +7,30 @@ its sines and cosines are tabulated once, for all.
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
-from numba import njit
-from numpy.typing import NDArray
 
-from rrrobot.checks import Array
 from rrrobot.momentum.coefficients import (
     LANES,
     N_COEFFICIENTS,
-    LaneWork,
     fill_lanes,
-    lane_work,
 )
-from rrrobot.momentum.compiled import borrowed, inner, lanes
+from rrrobot.momentum.compiled import borrowed, compiled, inner, lanes
 from rrrobot.momentum.kernels import (
     BLOCK,
     DECOUPLED,
+    GROUND_END,
     LIFT_OFF,
-    N_STAGES,
     N_STATE,
     NOT_FINITE,
     OK,
+    TIGHT,
     VERTICAL,
     step,
 )
-from rrrobot.momentum.lowering import Setting
+from rrrobot.momentum.lane import DET, ROOM
+from rrrobot.momentum.normal import contact_motion, least_sum, push
+from rrrobot.momentum.rolling import evaluate_lanes
 from rrrobot.momentum.summary import (
-    N_MOTION,
     N_RESULT,
     ROWS_PER_STEP,
     angles,
@@ -48,92 +43,24 @@ from rrrobot.momentum.summary import (
 from rrrobot.momentum.vertical import N_PAST, largest_between, may_pass, watch
 
 
-class FourierGaits(NamedTuple):
-    """Gaits, one a row: phi = offset + sum over j of sine_j sin(j w t) + cosine_j cos(j w t)."""
-
-    offset: Array
-    """(n, legs) [rad]"""
-    sine: Array
-    """(n, harmonics, legs) [rad]"""
-    cosine: Array
-    """(n, harmonics, legs) [rad]"""
-    angular_frequency: Array
-    """(n,) [rad/s]"""
-
-
-class Work(NamedTuple):
-    """Room for a block of LANES gaits."""
-
-    lanes: LaneWork
-    gait: Array
-    """offset, then a sine and a cosine for each harmonic (1 + 2 harmonics, legs, LANES)"""
-    omega: Array
-    """(LANES,) [rad/s]"""
-    table: Array
-    """coefficients (rows, 15 LANES)"""
-    other: Array
-    """those of the yaw model alone"""
-    parameters: Array
-    """(N_PARAMETER LANES,)"""
-    h: Array
-    """step of each lane, for each entry of its state (BLOCK,) [s]"""
-    ends: NDArray[np.int64]
-    """cycles of each lane (LANES,)"""
-    state: Array
-    """now, at the step before, and scratch (4, BLOCK)"""
-    slopes: Array
-    """(N_STAGES, BLOCK)"""
-    areas: Array
-    """integrals of x, y and yaw over a cycle (3 LANES,)"""
-    means: Array
-    """of x, y and yaw over the counted cycles (counted, 3 LANES)"""
-    angles: Array
-    """roll, pitch and yaw at the steps of a cycle, summed over the counted ones (n, 3 LANES)"""
-    lift: Array
-    """vertical momentum relative to the centre at the steps of the last cycle (n, LANES)"""
-    status: NDArray[np.int64]
-    """(LANES,)"""
-    largest: Array
-    """|sin pitch| (LANES,)"""
-    past: Array
-    """see `watch` (N_PAST, 2, LANES)"""
-    sides: Array
-    """likewise (3, LANES)"""
-    now: Array
-    """one lane's motion (N_MOTION,)"""
-
-
-def work_of(setting: Setting, harmonics: int, counted: int, n_steps: int) -> Work:
-    """Room for blocks of gaits of a number of steps."""
-    lanes, rows = lane_work(setting.tree), n_steps * ROWS_PER_STEP + 1
-    legs, width = len(lanes.angle), N_COEFFICIENTS * LANES
-    return Work(
-        lanes, np.zeros((1 + 2 * harmonics, legs, LANES)), np.zeros(LANES),
-        np.zeros((rows, width)), np.zeros((rows if setting.axis == DECOUPLED else 0, width)),
-        np.repeat(setting.parameters, LANES), np.zeros(BLOCK), np.zeros(LANES, dtype=np.int64),
-        np.zeros((4, BLOCK)), np.zeros((N_STAGES, BLOCK)), np.zeros(3 * LANES),
-        np.zeros((counted, 3 * LANES)), np.zeros((n_steps, 3 * LANES)), np.zeros((n_steps, LANES)),
-        np.zeros(LANES, dtype=np.int64), np.zeros(LANES), np.zeros((N_PAST, 2, LANES)),
-        np.zeros((3, LANES)), np.zeros(N_MOTION),
-    )  # fmt: skip
-
-
-@njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def settle(  # type: ignore[no-untyped-def]
-    tree, axis, limit, gaits, yaw_gaits, cycles, turns, slope_of, work, motion, sine, out
-):
+    tree, axis, limit, terrain, gaits, yaw_gaits, cycles, turns, slope_of, value_of, work, motion,
+    sine, out,
+):  # fmt: skip
     """Simulate gaits from an upright impulsive start and write their steady states.
 
     Args:
-        tree, axis, limit: see `Setting`.
+        tree, axis, limit, terrain: see `Setting`.
         gaits: offset (n, legs), sine and cosine (n, harmonics, legs), frequency (n,).
         yaw_gaits: those of the yaw model alone, for decoupled models; else not used.
         cycles: of each gait (n,).
         turns: sines and cosines of the gait's phase, (2, rows, harmonics).
         slope_of: (points, steps) from samples of a period to slopes of their trigonometric
-            interpolation, times the period.
+            interpolation, times the period; where the motion does not repeat, of a spline's.
+        value_of: likewise to the interpolation itself; not used unless axis is ANY.
         work: see `work_of`.
-        motion: (n, steps, N_MOTION), filled with the last cycle; (0, steps, ...) to leave it.
+        motion: (n, steps, entries), filled with the last cycle; (0, steps, ...) to leave it.
         sine: (n,), filled with the largest |sin pitch|.
         out: (n, N_RESULT), filled; of a lane that stopped all but the status is NaN.
     """
@@ -144,6 +71,9 @@ def settle(  # type: ignore[no-untyped-def]
         borrowed(yaw_gaits),
     )
     turns, slope_of, motion = borrowed(turns), borrowed(slope_of), borrowed(motion)
+    value_of = borrowed(value_of)
+    if terrain is not None:
+        terrain = borrowed(terrain)
     sine, out = borrowed(sine), borrowed(out)
     n, n_steps = len(out), slope_of.shape[1]
     for first in range(0, n, LANES):
@@ -152,14 +82,14 @@ def settle(  # type: ignore[no-untyped-def]
             work.ends[i] = cycles[g]
             for s in range(N_STATE):
                 work.h[s * LANES + i] = 2.0 * np.pi / gaits[3][g] / n_steps
-        _tabulate(tree, gaits, first, turns, work, work.table)
+        tabulate(tree, gaits, first, turns, work, work.table)
         if axis == DECOUPLED:
-            _tabulate(tree, yaw_gaits, first, turns, work, work.other)
+            tabulate(tree, yaw_gaits, first, turns, work, work.other)
             for r in range(len(work.table)):
                 for i in range(LANES):
                     work.table[r, 5 * LANES + i] = work.other[r, 5 * LANES + i]
                     work.table[r, 14 * LANES + i] = work.other[r, 14 * LANES + i]
-        _settle(axis, limit, first, work, motion, out)
+        _settle(axis, limit, terrain, first, work, motion, out)
         for i in range(min(LANES, n - first)):
             row, period = out[first + i], work.h[i] * n_steps
             for c in range(N_RESULT):
@@ -172,16 +102,19 @@ def settle(  # type: ignore[no-untyped-def]
                 turned = row[3] * period if a == 2 else 0.0
                 harmonic(work.angles, turns, len(work.means), a, turned, i, row)
             if axis != DECOUPLED:
-                # M g and the least rate of the vertical momentum.
-                weight = work.parameters[i] * work.parameters[3 * LANES + i]
-                row[14] = weight + least(slope_of, work.lift, i) / period
+                if terrain is not None:
+                    row[14] = least_sum(slope_of, work.lift, period, value_of, work.push, i)
+                else:
+                    # M g and the least rate of the vertical momentum.
+                    weight = work.parameters[i] * work.parameters[3 * LANES + i]
+                    row[14] = weight + least(slope_of, work.lift, i) / period
                 # Only a rolling contact can lift off: a pivot also pulls.
                 if work.parameters[LANES + i] > 0.0 and row[14] <= 0.0:
                     row[N_RESULT - 1] = LIFT_OFF
 
 
 @inner
-def _tabulate(tree, gaits, first, turns, work, table):  # type: ignore[no-untyped-def]
+def tabulate(tree, gaits, first, turns, work, table):  # type: ignore[no-untyped-def]
     """Coefficients of LANES gaits over their periods (rows, 15 LANES)."""
     offset, sine, cosine, omega = gaits
     n, legs = offset.shape
@@ -216,12 +149,15 @@ def _swing(gait, omega, turns, r, leg, angle, rate):  # type: ignore[no-untyped-
 
 
 @inner
-def _settle(axis, limit, first, work, motion, out):  # type: ignore[no-untyped-def]
+def _settle(axis, limit, terrain, first, work, motion, out):  # type: ignore[no-untyped-def]
     """Simulate a block of lanes: fill their means, angles, lift, status and motion."""
     h, ends, table, par, slopes = work.h, work.ends, work.table, work.parameters, work.slopes
-    y, before, total, scratch = work.state[0], work.state[1], work.state[2], work.state[3]
+    y, before, total, other = work.state[0], work.state[1], work.state[2], work.state[3]
     n_steps, counted, n_out = len(work.lift), len(work.means), min(LANES, len(out) - first)
     _begin(axis, y, work.angles, work.sides, work.status, work.largest)
+    if terrain is not None:
+        for i in range(LANES):
+            work.rolling[ROOM * LANES + i] = work.rolling[DET * LANES + i] = np.inf
     last, first_end = 0, ends[0]
     for i in range(LANES):
         last, first_end = max(last, ends[i]), min(first_end, ends[i])
@@ -233,7 +169,8 @@ def _settle(axis, limit, first, work, motion, out):  # type: ignore[no-untyped-d
                 before[e] = y[e]
             at = n * ROWS_PER_STEP
             # The step after the last only for the rates at its start.
-            step(y, table, at, h, par, axis, slopes, total, scratch, work.areas)
+            step(y, table, at, h, par, axis, slopes, total, other, work.areas, terrain,
+                 work.rolling)  # fmt: skip
             if axis == DECOUPLED:
                 _check_finite(before, cycle, n, ends, work.status)
             else:
@@ -242,20 +179,31 @@ def _settle(axis, limit, first, work, motion, out):  # type: ignore[no-untyped-d
                 _check(
                     work.past, known, work.sides, limit, cycle, n, ends, work.largest, work.status
                 )
+                if terrain is not None:
+                    _check_ground(work.rolling, cycle, n, ends, work.status)
             if cycle == last:
                 break
             if cycle < first_end - counted:
                 continue
-            angles(before, axis, scratch)
+            angles(before, axis, other)
+            fresh = False
             for i in range(n_out):
                 if ends[i] - counted <= cycle < ends[i]:
                     for s in range(3):
-                        work.angles[n, s * LANES + i] += scratch[s * LANES + i]
+                        work.angles[n, s * LANES + i] += other[s * LANES + i]
                 if cycle == ends[i] - 1 and axis != DECOUPLED:
                     motion_of(before, slopes, i, work.now)
-                    work.lift[n, i] = lift(work.now, table, at, i)
+                    if terrain is not None:
+                        if not fresh:
+                            # The stages have gone over the scratch.
+                            evaluate_lanes(before, table, at, par, slopes, 0, terrain, work.rolling)
+                            fresh = True
+                        contact_motion(terrain, work.rolling, i, work.now)
+                        work.lift[n, i], work.push[n, i] = push(work.rolling, work.now, par, i)
+                    else:
+                        work.lift[n, i] = lift(work.now, table, at, i)
                     if len(motion) > 0:
-                        for s in range(N_MOTION):
+                        for s in range(motion.shape[2]):
                             motion[first + i, n, s] = work.now[s]
         for i in range(LANES):
             count = cycle - (ends[i] - counted)
@@ -286,6 +234,20 @@ def _check_finite(y, cycle, n, ends, status):  # type: ignore[no-untyped-def]
         done = status[i] != OK or cycle > ends[i] or (cycle == ends[i] and n > 0)
         if not done and not np.isfinite(y[i] + y[LANES + i] + y[9 * LANES + i]):
             status[i] = NOT_FINITE
+
+
+@inner
+def _check_ground(b, cycle, n, ends, status):  # type: ignore[no-untyped-def]
+    """Note which lanes have come to where the ground ends, or touch it twice."""
+    for i in range(LANES):
+        if status[i] not in (OK, NOT_FINITE):
+            continue
+        if cycle > ends[i] or (cycle == ends[i] and n > 0):
+            continue
+        if b[ROOM * LANES + i] < 0.0:
+            status[i] = GROUND_END
+        elif b[DET * LANES + i] <= 0.0:
+            status[i] = TIGHT
 
 
 @inner

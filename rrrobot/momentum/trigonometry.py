@@ -8,7 +8,8 @@ about one unit in the last place of 1 for |angle| < 1e6.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
+
+from rrrobot.momentum.compiled import compiled
 
 _OVER_HALF_PI = 2.0 / np.pi
 # pi/2 in parts of 33 bits, whose multiples by a small whole number are exact.
@@ -16,7 +17,7 @@ _P1, _P2, _P3 = 1.57079632673412561417e00, 6.07710050630396597660e-11, 2.0222662
 _EIGHTH_TURN, _QUARTER_TURN, _HALF_TURN = 0.25 * np.pi, 0.5 * np.pi, np.pi
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always", fastmath={"contract", "nsz"})
+@compiled(inline="always", fastmath={"contract", "nsz"})
 def sine_cosine(x):  # type: ignore[no-untyped-def]
     """(sin x, cos x) of an angle [rad]."""
     k = np.floor(x * _OVER_HALF_PI + 0.5)
@@ -39,7 +40,7 @@ def sine_cosine(x):  # type: ignore[no-untyped-def]
     return sign * a, sign * b
 
 
-@njit(cache=True, nogil=True, error_model="numpy", inline="always", fastmath={"contract", "nsz"})
+@compiled(inline="always", fastmath={"contract", "nsz"})
 def arc_tangent(y, x):  # type: ignore[no-untyped-def]
     """Angle of the point (x, y), in [-pi, pi] [rad]; NaN at the origin."""
     a, b = abs(x), abs(y)

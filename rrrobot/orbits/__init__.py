@@ -1,4 +1,4 @@
-"""Rest, small oscillations about it, and their periods."""
+"""Rest and small oscillations; limit cycles, their stability, sensitivities and branches."""
 
 from rrrobot.lazy import face
 

@@ -1,6 +1,15 @@
+from rrrobot.orbits.branches import Branch as Branch
+from rrrobot.orbits.branches import branch as branch
+from rrrobot.orbits.gradients import Sensitivities as Sensitivities
+from rrrobot.orbits.gradients import sensitivities as sensitivities
+from rrrobot.orbits.limit_cycles import LimitCycle as LimitCycle
+from rrrobot.orbits.limit_cycles import limit_cycle as limit_cycle
 from rrrobot.orbits.oscillations import Mode as Mode
 from rrrobot.orbits.oscillations import PeriodRow as PeriodRow
 from rrrobot.orbits.oscillations import equilibrium as equilibrium
 from rrrobot.orbits.oscillations import measured_period as measured_period
 from rrrobot.orbits.oscillations import modes as modes
 from rrrobot.orbits.oscillations import table_3 as table_3
+from rrrobot.orbits.travel import Travel as Travel
+from rrrobot.orbits.travel import TravelForm as TravelForm
+from rrrobot.orbits.travel import travel_form as travel_form

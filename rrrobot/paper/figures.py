@@ -16,11 +16,13 @@ from rrrobot.drawing import FONT, legend_above, line, new_figure, tidy
 from rrrobot.figures import maps
 from rrrobot.figures.comparison import contact_paths, rolling_shell, single_axis
 from rrrobot.figures.reduction import fig_13 as fig_13
+from rrrobot.paper.labels import dimensions, leg_angles, lettered
 from rrrobot.paper.schematic import schematic, turn_arrow
 from rrrobot.paper.unicycle import unicycle
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.studies.comparison import Comparison
+from rrrobot.studies.modulation import pitch_yaw_phase_difference
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,11 +34,15 @@ _SWING = 0.5
 
 
 def fig_1(robot: Robot) -> Figure:
-    """The robot with its masses, from the front and from the side."""
-    figure = new_figure(9.0, 4.0)
+    """The robot with its masses, lettered as in the paper, its lengths and its leg angles."""
+    figure = new_figure(9.0, 4.6)
     left, right = figure.subplots(1, 2)
-    schematic(robot, "front", left, names=True)
-    schematic(robot, "side", right, leg_angle=np.linspace(0.25, 0.6, robot.n_legs) * np.pi)
+    angles = np.linspace(0.25, 0.6, robot.n_legs) * np.pi
+    schematic(robot, "front", left)
+    schematic(robot, "side", right, leg_angle=angles)
+    lettered(robot, left)
+    dimensions(robot, left)
+    leg_angles(robot, right, angles)
     _label(left, "(a) from the front, legs up")
     _label(right, "(b) from the side, legs apart")
     return figure
@@ -119,7 +125,9 @@ def fig_12(full: xr.Dataset, yaw: xr.Dataset) -> Figure:
 
 def fig_14(full: xr.Dataset, pitch: xr.Dataset, yaw: xr.Dataset) -> Figure:
     """Pitch phase less yaw phase over the plane: full model, and pitch and yaw models."""
-    return maps.side_by_side(maps.phase_difference(full), maps.phase_difference(pitch, yaw))
+    return maps.side_by_side(
+        pitch_yaw_phase_difference(full), pitch_yaw_phase_difference(pitch, yaw)
+    )
 
 
 def fig_15(comparison: Comparison) -> Figure:
@@ -148,7 +156,7 @@ def fig_19(single_axis_models: xr.Dataset) -> Figure:
 
 
 def fig_20(modulation: xr.DataArray) -> Figure:
-    """Leg amplitude of the yaw model over the offset; see `maps.amplitude_modulation`."""
+    """Leg amplitude of the yaw model over the offset; see `studies.amplitude_modulation`."""
     return maps.modulation(modulation).figure  # type: ignore[return-value]
 
 

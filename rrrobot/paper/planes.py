@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rrrobot.drive.moves import out_of_phase_gait
-from rrrobot.figures import maps
 from rrrobot.paper import figures as paper
 from rrrobot.paper.item import Item, Result, Row, feature, record
 from rrrobot.paper.workshop import HUMP, Workshop, hump, relative_rms
 from rrrobot.reduction.connection import Connection
 from rrrobot.reduction.yaw import net_yaw
+from rrrobot.studies.modulation import pitch_yaw_phase_difference
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -76,7 +76,7 @@ def _fig_13(shop: Workshop) -> Result:
 
 def _fig_14(shop: Workshop) -> Result:
     full, pitch, yaw = (shop.plane(name) for name in ("full", "pitch", "yaw"))
-    apart = maps.phase_difference(pitch, yaw) - maps.phase_difference(full)
+    apart = pitch_yaw_phase_difference(pitch, yaw) - pitch_yaw_phase_difference(full)
     wrapped = np.abs((apart.to_numpy() + np.pi) % (2 * np.pi) - np.pi)
     known = wrapped[np.isfinite(wrapped)]
     rows = (

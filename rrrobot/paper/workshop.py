@@ -85,14 +85,14 @@ class Workshop:
     @cached_property
     def modulation(self) -> xr.DataArray:
         """Leg amplitude at which the yaw model drifts like the full model (offset,) [rad]."""
-        from rrrobot.figures.maps import amplitude_modulation
+        from rrrobot.studies.modulation import amplitude_modulation
 
         return amplitude_modulation(self.robot, self.plane("full"))
 
     @property
     def yaw_amplitude(self) -> xr.DataArray:
         """`modulation` with its gaps, where nothing drifts, filled in linearly."""
-        from rrrobot.figures.maps import filled
+        from rrrobot.studies.modulation import filled
 
         return filled(self.modulation, self.modulation.offset)
 

@@ -23,7 +23,7 @@ from numpy.typing import ArrayLike
 from rrrobot.checks import Array, vector
 from rrrobot.errors import ModelError, ParameterError
 from rrrobot.models.single_axis import YawModel
-from rrrobot.robot.joints import JointIndex
+from rrrobot.robot.joints import JointIndex, joint_inertia, joint_inertia_rate
 from rrrobot.robot.robot import Robot
 
 
@@ -145,7 +145,7 @@ class Connection:
     def _terms(self, phi: Array) -> tuple[float, Array]:
         """(I, A) at one posture."""
         self.legs.write(self._q, phi)
-        mass = pin.crba(self._model, self._data, self._q)
+        mass = joint_inertia(self._model, self._data, self._q)
         inertia, momentum = self._project(mass)
         scale = float(np.abs(mass).max())
         if not inertia > 1e-14 * scale:
@@ -163,8 +163,9 @@ class Connection:
         """Derivative of A along a direction; the posture is that of the last `_terms`."""
         v = np.zeros(self._model.nv)
         v[self.legs.v] = direction
-        coriolis = pin.computeCoriolisMatrix(self._model, self._data, self._q, v)
-        inertia_rate, momentum_rate = self._project(coriolis + coriolis.T)
+        inertia_rate, momentum_rate = self._project(
+            joint_inertia_rate(self._model, self._data, self._q, v)
+        )
         return (momentum_rate - inertia_rate * value) / inertia
 
     def _flux(self, phi: Array, one: Array, two: Array) -> Array:
@@ -234,7 +235,7 @@ def rotation_connection(robot: Robot, leg_angle: ArrayLike) -> Array:
     parts = [Connection(robot, axis=axis) for axis in np.eye(3)]
     model, data, q = robot.model, robot.model.createData(), pin.neutral(robot.model)
     JointIndex(model, robot.legs).write(q, vector("leg_angle", leg_angle, robot.n_legs, "rad"))
-    mass = pin.crba(model, data, q)
+    mass = joint_inertia(model, data, q)
     twists = np.array([part.twist for part in parts])
     rows = twists @ mass[:6]
     inertia = rows[:, :6] @ twists.T

@@ -14,6 +14,7 @@ from rrrobot.drive.gaits import Gait, LegMotion
 from rrrobot.errors import GaitError, ModelError, ParameterError
 from rrrobot.models.single_axis import YawModel
 from rrrobot.reduction.connection import Connection, as_connection
+from rrrobot.robot.joints import joint_inertia
 from rrrobot.robot.robot import Robot
 
 METHODS = ("line", "area", "simulate")
@@ -100,7 +101,7 @@ def _simulated(connection: Connection, gait: Gait, span: Span) -> float:
         legs.write(q, motion.angle)
         v, a = np.zeros((2, model.nv))
         v[:6], v[legs.v], a[legs.v] = twist * y[1], motion.rate, motion.acceleration
-        inertia = twist @ pin.crba(model, data, q)[:6, :6] @ twist
+        inertia = twist @ joint_inertia(model, data, q)[:6, :6] @ twist
         moment = twist @ pin.rnea(model, data, q, v, a)[:6]
         return np.array((y[1], -moment / inertia))
 

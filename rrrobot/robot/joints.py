@@ -3,16 +3,20 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from typing import Any
+from xml.etree.ElementTree import Element
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.errors import UrdfError
-from rrrobot.robot.reader import parse_urdf, urdf_text
+from rrrobot.errors import ModelError, UrdfError
+from rrrobot.robot.faults import listed, root_link, shown
+from rrrobot.robot.mimics import couple, couplings, restore_names
+from rrrobot.robot.reader import parse_urdf
+from rrrobot.robot.tree import for_pinocchio, turn_over
 
 # Pinocchio's memory grows with the cube of the freedoms: 240 MB here, tens of GB for 1000.
 _MAX_LEGS = 150
@@ -52,52 +56,154 @@ def sliding(model: pin.Model, names: Sequence[str]) -> NDArray[np.bool_]:
 
 
 def build_model(
-    urdf: str, root_joint: Any, legs: Sequence[str], locked: Mapping[str, float]
+    urdf: str,
+    root_joint: Any,
+    legs: Sequence[str],
+    locked: Mapping[str, float],
+    base: str | None = None,
 ) -> pin.Model:
     """Pinocchio model of a URDF text with the `locked` joints held at their positions.
+
+    A mimic joint that is not locked follows its leg: its freedom is the leg's.
+
+    Args:
+        urdf: the text.
+        root_joint: of the base; None for a fixed one.
+        legs: joints that must be there and have one freedom each.
+        locked: joint name -> position [rad or m].
+        base: link that is to be the root; see `turn_over`.
 
     Raises:
         UrdfError: Pinocchio cannot read it, a name is missing, a joint has several freedoms.
     """
-    # Pinocchio's own parser drops some malformed parts without a word and stops the process on
-    # others; check first, and hand on what was checked.
-    text = urdf_text(parse_urdf(urdf))
-    try:
-        model = (
-            pin.buildModelFromXML(text)
-            if root_joint is None
-            else pin.buildModelFromXML(text, root_joint)
-        )
-    except (ValueError, RuntimeError) as error:
-        raise UrdfError(
-            f"Pinocchio cannot read the URDF: {error} Its parser says why on the standard error."
-        ) from None
-    movable = [name for name in model.names[1:] if name != "root_joint"]
+    tree = parse_urdf(urdf)
+    if base is not None:
+        turn_over(tree, base, locked)
+    movable = _moving(tree)
     for name in (*legs, *locked):
         if name not in movable:
             raise UrdfError(
-                f"the robot has no movable joint {name!r}. Its movable joints are: "
-                f"{', '.join(movable) or 'none'}."
+                f"the URDF has no movable joint {shown(name)}; its movable joints are: "
+                f"{listed(movable) or 'none'}."
             )
-    for name in movable:
-        joint = model.joints[model.getJointId(name)]
-        if joint.nv != 1:
+    every = couplings(tree, locked)
+    held = dict(locked)
+    for name, (leg, ratio, offset) in every.items():
+        if leg in locked or ratio == 0:
+            held[name] = ratio * locked.get(leg, 0.0) + offset
+    follow = {name: coupling for name, coupling in every.items() if name not in held}
+    for name in [leg for leg in legs if leg in follow]:
+        raise UrdfError(
+            f"joint {shown(name)} mimics {shown(follow[name].leg)}: it follows by itself, so leave "
+            "it out of legs, or hold it still with locked={...: 0.0}."
+        )
+    renamed = couple(tree, follow)
+    model = _pinocchio_model(for_pinocchio(tree), root_joint)
+    restore_names(model, renamed)
+    for name in (*legs, *held):
+        freedoms = model.joints[model.getJointId(name)].nv
+        if freedoms != 1:
             raise UrdfError(
-                f"joint {name!r} has {joint.nv} degrees of freedom: each joint of the tree must "
-                "have one (revolute, continuous or prismatic)."
+                f"joint {shown(name)} has {freedoms} degrees of freedom: each joint of the tree "
+                "must have one (revolute, continuous or prismatic)."
             )
-    if locked:
+    if held:
         q = pin.neutral(model)
-        index = JointIndex(model, list(locked))
-        index.write(q, np.array(list(locked.values())))
-        model = pin.buildReducedModel(model, [model.getJointId(name) for name in locked], q)
+        index = JointIndex(model, list(held))
+        index.write(q, np.array(list(held.values())))
+        model = pin.buildReducedModel(model, [model.getJointId(name) for name in held], q)
     return model
 
 
-def movable_joints(text: str) -> tuple[str, ...]:
-    """Names of a URDF's movable joints, in Pinocchio's order."""
-    model = build_model(text, pin.JointModelFreeFlyer(), (), {})
-    return tuple(name for name in model.names if name not in ("universe", "root_joint"))
+def _pinocchio_model(text: str, root_joint: Any) -> pin.Model:
+    root = () if root_joint is None else (root_joint,)
+    try:
+        return pin.buildModelFromXML(text, *root, mimic=True)
+    except (ValueError, RuntimeError) as error:
+        reason = str(error).strip().splitlines() or [""]
+        raise UrdfError(
+            f"Pinocchio cannot read the URDF: {reason[-1][:200]} Its parser says why on the "
+            "standard error."
+        ) from None
+
+
+def _moving(tree: Element) -> tuple[str, ...]:
+    """Names of a tree's joints that are not fixed, in Pinocchio's order: depth first, by name."""
+    below: dict[str, list[tuple[str, str, bool]]] = {}
+    for joint in tree.findall("joint"):
+        parent, child = (str(joint.find(end).get("link")) for end in ("parent", "child"))  # type: ignore[union-attr]
+        moves = joint.get("type") != "fixed"
+        below.setdefault(parent, []).append((str(joint.get("name")), child, moves))
+    names = []
+    todo = sorted(below.get(root_link(tree), ()), reverse=True)
+    while todo:
+        name, child, moves = todo.pop()
+        names += [name] * moves
+        todo += sorted(below.get(child, ()), reverse=True)
+    return tuple(names)
+
+
+def movable_joints(
+    text: str, base: str | None = None, held: Collection[str] = ()
+) -> tuple[str, ...]:
+    """Names of a URDF's movable joints, in Pinocchio's order; of the tree with `base` as root."""
+    tree = parse_urdf(text)
+    if base is not None:
+        turn_over(tree, base, held)
+    return _moving(tree)
+
+
+def joint_inertia(model: pin.Model, data: pin.Data, q: Array) -> Array:
+    """M(q) (nv, nv) of any model, mimic joints included; the array is `data`'s own."""
+    if has_mimics(model):
+        # In the other convention Pinocchio 4.1 adds to what an earlier call left in the data.
+        return np.asarray(pin.crba(model, data, q, pin.Convention.WORLD))
+    return np.asarray(pin.crba(model, data, q))
+
+
+def coriolis_matrix(model: pin.Model, data: pin.Data, q: Array, v: Array) -> Array:
+    """C(q, v) (nv, nv) with dM/dt = C + C^T.
+
+    Raises:
+        ModelError: joints mimic others, which Pinocchio's matrix knows nothing of.
+    """
+    if has_mimics(model):
+        raise ModelError(
+            "Pinocchio has no Coriolis matrix of a robot whose joints mimic others: hold those "
+            "joints with locked=, or use mass_matrix and dynamics."
+        )
+    return np.array(pin.computeCoriolisMatrix(model, data, q, v))
+
+
+def joint_inertia_rate(model: pin.Model, data: pin.Data, q: Array, v: Array) -> Array:
+    """dM/dt (nv, nv) at q along v; Coriolis' matrix and its transpose add up to it."""
+    if not has_mimics(model):
+        coriolis = coriolis_matrix(model, data, q, v)
+        return coriolis + coriolis.T
+    # Pinocchio's Coriolis matrix knows no mimic joints; the error of this is of fourth order.
+    h = 2e-3 / max(1.0, float(np.abs(v).max()))
+    at = [
+        np.array(joint_inertia(model, data, pin.integrate(model, q, k * h * v)))
+        for k in (-2, -1, 1, 2)
+    ]
+    return (at[0] - 8 * at[1] + 8 * at[2] - at[3]) / (12 * h)
+
+
+def energy(model: pin.Model, data: pin.Data, q: Array, v: Array) -> tuple[float, float]:
+    """Kinetic and potential energy [J]; the potential is zero at the world's origin."""
+    if has_mimics(model):
+        # Pinocchio's own energies know no mimic joints.
+        height = pin.centerOfMass(model, data, q)
+        kinetic = 0.5 * float(v @ joint_inertia(model, data, q) @ v)
+        weight = pin.computeTotalMass(model) * model.gravity.linear
+        return kinetic, -float(weight @ height)
+    kinetic = pin.computeKineticEnergy(model, data, q, v)
+    return kinetic, pin.computePotentialEnergy(model, data, q)
+
+
+def has_mimics(model: pin.Model) -> bool:
+    """Whether any joint follows another."""
+    return bool(len(model.mimicking_joints))
 
 
 def check_masses(model: pin.Model) -> None:

@@ -12,15 +12,25 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite, vector
-from rrrobot.contact.surfaces import SHELL_FRAME, Sphere, Surface, surface_from_dict
+from rrrobot.contact.convexity import check_convex
+from rrrobot.contact.saved import surface_from_dict
+from rrrobot.contact.surfaces import SHELL_FRAME, Sphere, Surface
 from rrrobot.errors import ShellError, UrdfError
 from rrrobot.inline import html_table
 from rrrobot.robot.examples import example_urdf
+from rrrobot.robot.faults import root_link
 from rrrobot.robot.joints import build_model, check_masses, movable_joints
+from rrrobot.robot.limits import LegJoints, leg_joints
+from rrrobot.robot.mimics import Coupling, couplings
 from rrrobot.robot.parameters import RRRobotParameters
-from rrrobot.robot.reader import parse_urdf, read_urdf, root_link
+from rrrobot.robot.reader import is_text, parse_urdf, read_urdf, urdf_text
+from rrrobot.robot.suspicion import warn_of_inertias, warn_of_parts, warn_of_shell
+from rrrobot.robot.tree import turn_over
 from rrrobot.robot.urdf import LEGS, rrrobot_urdf
+from rrrobot.rotations import rotation_from_euler
 
+_OWN_SHELLS = ("rrrobot.contact.surfaces", "rrrobot.contact.shells")
+"""Shells that are convex by construction; any other is checked."""
 STANDARD_GRAVITY = 9.81
 """g where neither a ground nor a robot's parameters say otherwise [m/s^2]."""
 
@@ -37,14 +47,19 @@ class Robot:
         urdf: the URDF as text.
         shell: the round surface, in the frame `SHELL_FRAME`.
         legs: joint names of the legs; every leg array in this package has this order.
-        shell_link: link that carries the shell; rigidly fixed to the root link.
-        shell_center: shell's centre in the frame of `shell_link` (3,) [m].
+        shell_link: link that carries the shell. If it moves against the URDF's root link, the
+            tree is turned over, so that it is the base; joints count as in the file.
+        shell_center: origin of the shell's frame in that of `shell_link` (3,) [m].
+        shell_rpy: roll, pitch, yaw of the shell's frame in that of `shell_link` (3,) [rad].
         locked: positions of the joints that are not legs, held still [rad or m].
         parameters: what `from_parameters` made it from; None for any other robot. Models take its
             gravity and damping unless told otherwise.
-        package_dirs: folders where `package://` mesh names are looked up.
+        package_dirs: folders where mesh names are looked up; the URDF file's own is the first.
         model: Pinocchio model; q = (base position, base quaternion xyzw, joints), v = (base
             linear and angular velocity in the base frame, joint velocities).
+        rooted_urdf: the checked URDF with the base at its root.
+        couplings: mimic joint -> the leg that it follows, and how.
+        joints: what the URDF says of the legs' joints: limits, damping, friction.
 
     Example:
         >>> import rrrobot as rr
@@ -58,22 +73,39 @@ class Robot:
     legs: tuple[str, ...]
     shell_link: str
     shell_center: Array
+    shell_rpy: Array = field(default_factory=lambda: np.zeros(3))
     locked: Mapping[str, float] = field(default_factory=dict)
     parameters: RRRobotParameters | None = None
     package_dirs: tuple[str, ...] = ()
     name: str = field(init=False)
     model: pin.Model = field(init=False, repr=False)
     shell_placement: pin.SE3 = field(init=False, repr=False)
+    rooted_urdf: str = field(init=False, repr=False)
+    couplings: Mapping[str, Coupling] = field(init=False, repr=False)
+    joints: LegJoints = field(init=False, repr=False)
 
     def __post_init__(self) -> None:
         if not isinstance(self.shell, Surface):
             raise ShellError(
                 f"shell is {self.shell!r}: it must be a surface, such as Sphere(radius=0.12)."
             )
+        if type(self.shell).__module__ not in _OWN_SHELLS:
+            check_convex(self.shell)
         set_field = object.__setattr__
-        set_field(self, "shell_center", vector("shell_center", self.shell_center, 3, "m"))
-        self.shell_center.flags.writeable = False
-        model = build_model(self.urdf, pin.JointModelFreeFlyer(), self.legs, self.locked)
+        for name, unit in (("shell_center", "m"), ("shell_rpy", "rad")):
+            set_field(self, name, vector(name, getattr(self, name), 3, unit))
+            getattr(self, name).flags.writeable = False
+        tree = parse_urdf(self.urdf)
+        turn_over(tree, self.shell_link, self.locked)
+        set_field(self, "rooted_urdf", urdf_text(tree))
+        model = build_model(self.rooted_urdf, pin.JointModelFreeFlyer(), self.legs, self.locked)
+        follow = {
+            name: coupling
+            for name, coupling in couplings(tree, self.locked).items()
+            if coupling.leg in self.legs and coupling.ratio != 0
+        }
+        set_field(self, "couplings", follow)
+        set_field(self, "joints", leg_joints(tree, self.legs, follow))
         model.gravity.linear = np.array((0.0, 0.0, -self.gravity))
         set_field(self, "name", model.name)
         set_field(self, "shell_placement", _add_shell_frame(model, self))
@@ -103,6 +135,7 @@ class Robot:
         locked: Mapping[str, float] | None = None,
         shell_link: str | None = None,
         shell_center: ArrayLike = (0.0, 0.0, 0.0),
+        shell_rpy: ArrayLike = (0.0, 0.0, 0.0),
         package_dirs: Sequence[str | Path] = (),
     ) -> Robot:
         """Any URDF robot that rolls on a round belly.
@@ -111,18 +144,25 @@ class Robot:
             source: path of a URDF file, or the URDF as text.
             shell: the belly, such as `Sphere(0.2)`; it touches the ground at one point.
             legs: joint names in the order that gaits use; all movable joints that are not
-                `locked`, in Pinocchio's order, unless given. Joints left out are held at their
-                `locked` position.
-            locked: joint name -> position of held joints [rad or m]; 0 where it is not named.
-            shell_link: link that carries the shell; the root link unless given.
-            shell_center: centre of the shell in that link's frame (3,) [m].
-            package_dirs: folders for `package://` mesh names.
+                `locked` and mimic none, in Pinocchio's order, unless given. Joints left out are
+                held at their `locked` position; mimic joints follow their master.
+            locked: joint name -> position of held joints [rad or m]; 0 where it is not named. A
+                mimic joint that is named does not follow.
+            shell_link: link that carries the shell, any of the tree; the root link unless given.
+            shell_center: origin of the shell's frame, its centre, in that link's (3,) [m].
+            shell_rpy: roll, pitch, yaw of the shell's frame in that link's, as a URDF's (3,) [rad].
+            package_dirs: folders for mesh names, beside the file's own and those in
+                ROS_PACKAGE_PATH.
 
         Raises:
             UrdfError: missing, malformed or hostile file; a joint that has more than one degree
                 of freedom or does not exist; no mass.
-            ShellError: no such link, a link that moves against the root link, no surface.
+            ShellError: no such link, no surface.
             ParameterError: a number out of range.
+
+        Warns:
+            UrdfWarning: inertias that no body can have; parts that no model takes into account; a
+                link that looks like the ball and does not carry the shell.
 
         Example:
             >>> import rrrobot as rr
@@ -131,11 +171,13 @@ class Robot:
             ('leg_1', 'leg_2')
         """
         text = read_urdf(source)
-        every = movable_joints(text)
-        free = tuple(name for name in every if name not in (locked or {}))
+        tree = parse_urdf(text)
+        root = root_link(tree)
+        every = movable_joints(text, shell_link, locked or ())
+        follow = couplings(tree, locked or ())
+        free = tuple(n for n in every if n not in (locked or {}) and n not in follow)
         chosen = free if legs is None else _leg_names(legs)
-        _refuse_mimics(text, chosen)
-        held = {name: 0.0 for name in every if name not in chosen}
+        held = {n: 0.0 for n in every if n not in chosen and n not in follow}
         for name, value in (locked or {}).items():
             if name not in held:
                 raise UrdfError(
@@ -143,15 +185,24 @@ class Robot:
                     f"{', '.join(held) or 'none'}."
                 )
             held[name] = finite(f"locked[{name!r}]", value)
-        return cls(
+        for name, (leg, ratio, offset) in follow.items():
+            if leg in held or ratio == 0:
+                held[name] = ratio * held.get(leg, 0.0) + offset
+        robot = cls(
             urdf=text,
             shell=shell,
             legs=chosen,
-            shell_link=shell_link or root_link(parse_urdf(text)),
+            shell_link=shell_link or root,
             shell_center=vector("shell_center", shell_center, 3, "m"),
+            shell_rpy=vector("shell_rpy", shell_rpy, 3, "rad"),
             locked=held,
-            package_dirs=tuple(str(folder) for folder in package_dirs),
+            package_dirs=(*_own_folder(source), *(str(folder) for folder in package_dirs)),
         )
+        warn_of_parts(tree)
+        warn_of_inertias(tree, robot)
+        if shell_link is None:
+            warn_of_shell(tree, root, getattr(shell, "radius", None))
+        return robot
 
     @classmethod
     def from_example(cls, name: str, *, shell: Surface, **options: Any) -> Robot:
@@ -192,6 +243,7 @@ class Robot:
             "legs": list(self.legs),
             "shell_link": self.shell_link,
             "shell_center": self.shell_center.tolist(),
+            "shell_rpy": self.shell_rpy.tolist(),
             "locked": dict(self.locked),
             "parameters": None if self.parameters is None else self.parameters.to_dict(),
             "package_dirs": list(self.package_dirs),
@@ -226,21 +278,18 @@ class Robot:
         return (_remake, ({f.name: getattr(self, f.name) for f in fields(self) if f.init},))
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, Robot) and self.to_dict() == other.to_dict()
+        # Where the meshes lie is no part of what a robot is.
+        return isinstance(other, Robot) and (
+            self.to_dict() | {"package_dirs": ()} == other.to_dict() | {"package_dirs": ()}
+        )
 
     def __hash__(self) -> int:
         return hash((self.urdf, self.shell, self.legs))
 
 
-def _refuse_mimics(text: str, legs: Sequence[str]) -> None:
-    """A mimic joint would move by itself as a leg of its own."""
-    for joint in parse_urdf(text).findall("joint"):
-        mimic = joint.find("mimic")
-        if mimic is not None and joint.get("name") in legs:
-            raise UrdfError(
-                f"joint {joint.get('name')!r} mimics {mimic.get('joint')!r}, which no model here "
-                "does: hold it still with locked={...: 0.0}, or leave it out of legs."
-            )
+def _own_folder(source: str | Path) -> tuple[str, ...]:
+    """The folder of a URDF file, none of a text."""
+    return () if is_text(source) else (str(Path(source).resolve().parent),)
 
 
 def _leg_names(legs: Sequence[str]) -> tuple[str, ...]:
@@ -265,11 +314,6 @@ def _add_shell_frame(model: pin.Model, robot: Robot) -> pin.SE3:
             f"{', '.join(bodies)}."
         )
     link = model.frames[model.getFrameId(robot.shell_link, pin.FrameType.BODY)]
-    if link.parentJoint != 1:
-        raise ShellError(
-            f"link {robot.shell_link!r} moves with joint {model.names[link.parentJoint]!r}: the "
-            "shell must be fixed to the root link. Lock that joint or name another link."
-        )
-    placement = link.placement * pin.SE3(np.eye(3), robot.shell_center)
+    placement = link.placement * pin.SE3(rotation_from_euler(robot.shell_rpy), robot.shell_center)
     model.addFrame(pin.Frame(SHELL_FRAME, 1, placement, pin.FrameType.OP_FRAME))
     return placement

@@ -22,8 +22,9 @@ from typing import Literal
 from rrrobot.checks import finite
 from rrrobot.errors import UrdfError
 from rrrobot.files import write_whole
+from rrrobot.robot.faults import root_link
 from rrrobot.robot.parameters import RRRobotParameters
-from rrrobot.robot.reader import parse_urdf, root_link, urdf_text
+from rrrobot.robot.reader import parse_urdf, urdf_text
 
 ReducedKind = Literal["pivoting", "roll", "pitch", "yaw"]
 

@@ -11,8 +11,9 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
 
-from rrrobot.checks import Array
+from rrrobot.checks import Array, vector
 from rrrobot.contact.ground import Ground
 from rrrobot.contact.kinematics import sphere_contact_rate
 from rrrobot.drive.gaits import Gait, LegMotion
@@ -25,6 +26,7 @@ from rrrobot.robot.robot import Robot
 from rrrobot.rotations import body_rates_matrix, body_rates_matrix_rate, quaternion_from_euler
 from rrrobot.simulation.run import assemble, initial_state, longest_step, raise_if_stopped, versions
 from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.simulation.watch import watch
 
 
 def decoupled(
@@ -37,6 +39,7 @@ def decoupled(
     roll: RollModel | None = None,
     pitch: PitchModel | None = None,
     yaw: YawModel | None = None,
+    state: ArrayLike | None = None,
     step: float | None = None,
     rtol: float = RTOL,
     atol: float = ATOL,
@@ -59,6 +62,8 @@ def decoupled(
         yaw_gait: leg motion of the yaw model alone, such as the gait with the amplitude that
             `matching_yaw_amplitude` gives (the paper's Fig 20); `gait` if None.
         roll, pitch, yaw: the models, with other dampings than the paper's.
+        state: roll, pitch, yaw, their rates and the contact point at t = 0 (8,), instead of an
+            impulsive start.
         step, rtol, atol, progress: as for `simulate`.
 
     Raises:
@@ -90,6 +95,8 @@ def decoupled(
     times = sample_times(duration, sample_interval)
     starts = [initial_state(m, g) for m, g in zip(models, gaits, strict=True)]
     y0 = np.array([*(s[0] for s in starts), *(s[3] for s in starts), 0.0, 0.0])
+    if state is not None:
+        y0 = vector("state", state, 8)
     longest = min(longest_step(g, *models[:2]) for g in gaits)
     stepping = Stepping(step, rtol, atol, longest)
     radius = models[0].radius
@@ -115,6 +122,7 @@ def decoupled(
     }
     trajectory = _recombine(robot, models[0].ground, times, states, angular, gait(times), metadata)
     raise_if_stopped(result, trajectory, lambda y: f"roll, pitch, yaw = {y[:3].tolist()} rad")
+    watch(trajectory)
     return trajectory
 
 

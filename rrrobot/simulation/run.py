@@ -42,6 +42,7 @@ from rrrobot.rotations import (
     rotation_from_quaternion,
 )
 from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.simulation.watch import watch
 
 
 def simulate(
@@ -77,8 +78,8 @@ def simulate(
         step: fixed step [s]; adaptive if None.
         rtol, atol: local error tolerances of the adaptive step, which is at most 0.04 s and a
             twelfth of the gait's period.
-        method: "kkt", the general form; or "momentum", the fast form for prescribed legs on a
-            sphere on level ground, with fixed steps of at most `step` that end at the samples.
+        method: "kkt", the general form; or "momentum", the fast form for prescribed legs on any
+            shell and ground of ours, with fixed steps of at most `step` that end at the samples.
             Forces and torques are Pinocchio's in either.
         progress: called with the simulated time after each step.
 
@@ -110,8 +111,9 @@ def simulate(
             raise GaitError("method 'momentum' needs a prescribed gait; use 'kkt' for torques.")
         # Numba loads here, so that it costs nobody who does not use it.
         from rrrobot.momentum.run import run
+        from rrrobot.momentum.terrain import fineness
 
-        longest = stepping.checked().step or stepping.max_step
+        longest = stepping.checked().step or stepping.max_step / fineness(model.robot.shell)
         result = run(model, gait, y0, times, longest, observer=track, progress=progress)
         stepping = stepping._replace(step=longest)
     else:
@@ -125,6 +127,7 @@ def simulate(
     settings |= stepping.to_dict()
     trajectory = system.trajectory(times[:n], result.states, track.angles[:n], settings)
     raise_if_stopped(result, trajectory, lambda y: _describe(model, y))
+    watch(trajectory)
     return trajectory
 
 
@@ -350,7 +353,8 @@ class EulerTrack:
                 "model's damping or coordinates, are singular; swing the legs less, or use the "
                 "full model with BodyRateDamping"
             )
-        return None
+        model = self.model
+        return model.trouble(y[: model.n_pose]) if isinstance(model, FullModel) else None
 
 
 def _describe(model: Model, y: Array) -> str:

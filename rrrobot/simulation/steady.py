@@ -7,6 +7,10 @@ the mean of a quantity over cycle i,
     yaw rate   alpha = mean of (m_{i+1} - m_i) / T      of the yaw angle
     curvature  K     = alpha / v
 
+Where the body tumbles, its pitch passes the vertical and Euler angles are no heading: alpha is then
+the rate at which the path turns, that of the direction of m_{i+1} - m_i, and what rests on Euler
+angles (velocity, amplitude, phase, mean) is NaN.
+
 Means are exact integrals of a quintic spline through the samples.
 """
 
@@ -45,6 +49,8 @@ class Motion(Protocol):
 
 MIN_SAMPLES_PER_CYCLE = 24
 _HARMONIC_POINTS = 128
+_STEEP = 0.02
+"""Cosine of the pitch below which a body is taken to tumble."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -67,6 +73,7 @@ class SteadyState:
         cycles: number of counted cycles.
         variation: largest deviation of one cycle's step from the mean step, over the mean step
             (or over 1 um if that is more). Small means settled.
+        tumbles: whether the body passes the vertical, so that Euler angles say nothing.
 
     Example:
         >>> import rrrobot as rr
@@ -86,6 +93,7 @@ class SteadyState:
     start: float
     cycles: int
     variation: float
+    tumbles: bool = False
 
     @property
     def curvature(self) -> float:
@@ -101,8 +109,8 @@ class SteadyState:
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain data, for JSON."""
-        data = {k: v.tolist() if isinstance(v, np.ndarray) else v for k, v in asdict(self).items()}
-        return data | {"curvature": self.curvature if math.isfinite(self.curvature) else None}
+        data = asdict(self) | {"curvature": self.curvature}
+        return {key: _plain(value) for key, value in data.items()}
 
     def _repr_html_(self) -> str:
         every = zip(("roll", "pitch", "yaw"), self.amplitude, self.phase, self.mean, strict=True)
@@ -184,6 +192,24 @@ def steady_state(
     sine, cosine = (2 * (f(omega * grid) @ angles) / grid.size for f in (np.sin, np.cos))
     mean = means.mean(axis=0)[2:]
 
+    steep = np.abs(np.cos(trajectory.euler[time >= start, 1])).min()
+    # The pitch of a body that tumbles comes within its step of the vertical in every turn.
+    tumbles = bool(steep < _STEEP) or bool(np.any(np.abs(trajectory.euler[:, 1]) > np.pi / 2))
+    if tumbles:
+        nothing = np.full(3, np.nan)
+        return SteadyState(
+            speed=speed,
+            velocity=nothing[:2],
+            yaw_rate=_turn(steps[:, :2], lengths) / period,
+            amplitude=nothing,
+            phase=nothing,
+            mean=nothing,
+            period=period,
+            start=start,
+            cycles=cycles,
+            variation=float(np.abs(lengths - speed).max() / floor),
+            tumbles=True,
+        )
     heading = means[:, 4]
     ahead = 0.5 * (heading[1:] + heading[:-1])
     c, s = np.cos(ahead), np.sin(ahead)
@@ -205,3 +231,22 @@ def steady_state(
         cycles=cycles,
         variation=float(np.abs(lengths - speed).max() / floor),
     )
+
+
+def _turn(steps: Array, lengths: Array) -> float:
+    """Mean angle by which the path turns from one cycle's step to the next [rad].
+
+    NaN where it is not defined: fewer than three cycles, or a body that stays where it is.
+    """
+    if len(steps) < 2 or lengths.min() < 1e-9:
+        return math.nan
+    x, y = steps.T
+    turns = np.arctan2(x[:-1] * y[1:] - y[:-1] * x[1:], x[:-1] * x[1:] + y[:-1] * y[1:])
+    return float(turns.mean())
+
+
+def _plain(value: Any) -> Any:
+    """Arrays as lists, and None for what is no number, which JSON has no word for."""
+    if isinstance(value, np.ndarray):
+        return [_plain(part) for part in value.tolist()]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

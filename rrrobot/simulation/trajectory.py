@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.contact.ground import Ground, ground_from_dict, normals
+from rrrobot.contact.ground import Ground, normals
+from rrrobot.contact.saved import ground_from_dict
 from rrrobot.errors import ModelError, OutputError
 from rrrobot.files import write_whole
 from rrrobot.inline import html_table
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
+_LARGE, _RATIO = 100_000_000, 100
+"""Bytes from which an archive is suspicious that is packed to less than one part of so many."""
 FORMAT = "rrrobot trajectory 2"
 
 
@@ -221,6 +224,7 @@ class Trajectory:
         """
         try:
             with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as archive:
+                _refuse_bombs(archive.zip)
                 header = json.loads(str(archive["header"]))
                 if header["format"] != FORMAT:
                     raise ValueError(
@@ -280,3 +284,16 @@ def _check_arrays(arrays: Mapping[str, Array], robot: Robot) -> None:
         shape = (n, columns[name]) if name in columns else (n,)
         if array.shape != shape or array.dtype != np.float64 or n == 0:
             raise ValueError(f"{name} has shape {array.shape} of {array.dtype}, not {shape}")
+        if not np.all(np.isfinite(array)):
+            raise ValueError(f"{name} has values that are not finite")
+    if not np.all(np.diff(arrays["time"]) > 0):
+        raise ValueError("time does not increase")
+
+
+def _refuse_bombs(archive: Any) -> None:
+    """Refuse an archive that is small and large at once, before it is unpacked."""
+    members = archive.infolist()
+    packed = sum(member.compress_size for member in members)
+    whole = sum(member.file_size for member in members)
+    if whole > _LARGE and whole > _RATIO * packed:
+        raise ValueError(f"its {packed} bytes would unpack to {whole}")

@@ -6,8 +6,8 @@ from rrrobot.steering.identification import MeasuredRun as MeasuredRun
 from rrrobot.steering.identification import identify as identify
 from rrrobot.steering.obstacles import Disc as Disc
 from rrrobot.steering.obstacles import Polygon as Polygon
-from rrrobot.steering.planned import Plan as Plan
 from rrrobot.steering.planner import plan as plan
+from rrrobot.steering.plans import Plan as Plan
 from rrrobot.steering.reaching import Reached as Reached
 from rrrobot.steering.reaching import reach as reach
 from rrrobot.steering.robots import Sensor as Sensor

@@ -24,7 +24,7 @@ from rrrobot.steering.arcs import joined, path
 from rrrobot.steering.lattice import around
 from rrrobot.steering.motions import Motions, corners, motions_of
 from rrrobot.steering.obstacles import Obstacle, free_distance
-from rrrobot.steering.planned import Plan
+from rrrobot.steering.plans import Plan
 from rrrobot.steering.shooting import Knobs, Rest, Shot, final_poses, gap, off, rest_of, shoot
 
 CYCLES_OF_BLEND = 2

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from rrrobot.steering.following import Following
-    from rrrobot.steering.planned import Plan
+    from rrrobot.steering.plans import Plan
 
 
 def plan_panel(plan: Plan, trajectory: Trajectory | None = None, ax: Axes | None = None) -> Axes:

@@ -20,8 +20,8 @@ from rrrobot.robot.robot import Robot
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.steering.identification import MeasuredRun, identify
-from rrrobot.steering.planned import Plan
 from rrrobot.steering.planner import plan
+from rrrobot.steering.plans import Plan
 from rrrobot.steering.robots import Sensor, method_for
 from rrrobot.steering.shooting import gap, off, rest_of
 

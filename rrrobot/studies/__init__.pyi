@@ -2,6 +2,8 @@ from rrrobot.studies.comparison import Comparison as Comparison
 from rrrobot.studies.comparison import compare as compare
 from rrrobot.studies.comparison import matching_yaw_amplitude as matching_yaw_amplitude
 from rrrobot.studies.comparison import yaw_drift as yaw_drift
+from rrrobot.studies.modulation import amplitude_modulation as amplitude_modulation
+from rrrobot.studies.modulation import pitch_yaw_phase_difference as pitch_yaw_phase_difference
 from rrrobot.studies.optimisation.goals import FastestTravel as FastestTravel
 from rrrobot.studies.optimisation.goals import LeastEffort as LeastEffort
 from rrrobot.studies.optimisation.goals import TargetMotion as TargetMotion

@@ -6,6 +6,7 @@ NumPy's and become typed arrays of JavaScript when they are packed. Nothing here
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -101,11 +102,13 @@ def attribute(values: Array) -> dict[str, Any]:
     }
 
 
-def ribbon_mesh(points: Array, width: float, lift: float) -> Geometry:
+def ribbon_mesh(
+    points: Array, width: float, lift: float, bend: Callable[[Array], Array] | None = None
+) -> Geometry:
     """A ribbon along points of the plane (n, 2) [m], six indices a step.
 
     Each step is a rectangle by itself, longer than the step by the ribbon's width, so that sharp
-    turns leave neither gaps nor twists.
+    turns leave neither gaps nor twists. `bend` lays its corners (n, 3) on a curved ground.
     """
     a, b = points[:-1], points[1:]
     along = (b - a) * width / 2 / np.linalg.norm(b - a, axis=1, keepdims=True)
@@ -113,7 +116,8 @@ def ribbon_mesh(points: Array, width: float, lift: float) -> Geometry:
     corners = (a - along - across, b + along - across, b + along + across, a - along + across)
     flat = np.stack(corners, axis=1).reshape(-1, 2)
     faces = 4 * np.arange(len(a))[:, None] + np.array((0, 1, 2, 0, 2, 3))
-    return mesh(np.column_stack((flat, np.full(len(flat), lift))), faces)
+    corners_ = np.column_stack((flat, np.full(len(flat), lift)))
+    return mesh(corners_ if bend is None else bend(corners_), faces)
 
 
 def lens(size: float) -> Command:

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from functools import partial
 from typing import NamedTuple
 
 import numpy as np
@@ -20,8 +21,8 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.contact.ground import Ground, Plane
-from rrrobot.errors import ParameterError
+from rrrobot.contact.ground import Ground, Plane, ground_basis
+from rrrobot.contact.touching import touch_near
 from rrrobot.robot.robot import Robot
 from rrrobot.view.commands import (
     FIELD_OF_VIEW,
@@ -40,6 +41,7 @@ from rrrobot.view.commands import (
     track,
 )
 from rrrobot.view.shapes import Visual, robot_visuals
+from rrrobot.view.terrain import lay, surface
 
 _CAMERA_FROM = (-0.48, -0.78, 0.40)  # along the way, to its left, up
 _SUN_FROM = (0.35, -0.40, 0.90)  # towards the camera, right, up
@@ -88,8 +90,9 @@ class Scene:
             robot in all poses that `hold` was told of [m].
         spacing: of the grid's lines, as the last `stage` has set it [m].
         detail: of the trace: its points may be this far from each other [m].
-        normal: of the ground plane (3,).
-        basis: columns span the ground plane, and its normal (3, 3).
+        ground: what it stands on.
+        normal: of the ground at the origin of its coordinates (3,).
+        basis: columns span the plane that touches the ground at the origin, and its normal (3, 3).
 
     Example:
         >>> import rrrobot as rr
@@ -103,10 +106,11 @@ class Scene:
 
     def __init__(self, robot: Robot, ground: Ground | None = None) -> None:
         self.robot = robot
-        plane = Plane() if ground is None else ground
-        if not isinstance(plane, Plane):
-            raise ParameterError(f"the viewer draws planes, and the ground is {plane!r}.")
-        self.normal, self.basis = plane.normal_vector, plane.basis
+        self.ground: Ground = Plane() if ground is None else ground
+        self._flat = isinstance(self.ground, Plane)
+        self._origin = self.ground.point(np.zeros(2))
+        self.normal = self.ground.normal(self._origin)
+        self.basis = ground_basis(self.normal)
         self.visuals = robot_visuals(robot)
         self.joints = sorted({1, *(visual.joint for visual in self.visuals)})
         self._data = robot.model.createData()
@@ -121,14 +125,22 @@ class Scene:
         pin.forwardKinematics(self.robot.model, self._data, configuration)
         joints = {joint: pin.SE3(self._data.oMi[joint]) for joint in self.joints}
         shell = joints[1] * self.robot.shell_placement
-        arm = self.robot.shell.arm(shell.rotation, self.normal)
-        return Pose(joints, shell.translation, self.basis[:, :2].T @ (shell.translation + arm))
+        return Pose(joints, shell.translation, self._contact(shell))
+
+    def _contact(self, shell: pin.SE3) -> Array:
+        """Coordinates of the contact of a shell at a placement (2,) [m]."""
+        if self._flat:
+            arm = self.robot.shell.arm(shell.rotation, self.normal)
+            return self.ground.coordinates(shell.translation + arm)
+        found = touch_near(self.robot.shell, self.ground, shell.rotation, shell.translation)
+        return self.ground.coordinates(found.point)
 
     def rest(self) -> Pose:
         """Upright at the origin, each leg at its zero."""
         q = pin.neutral(self.robot.model)
         place, normal = self.robot.shell_placement, self.normal
-        q[:3] = -place.translation - self.robot.shell.arm(place.rotation, normal)
+        arm = self.robot.shell.arm(place.rotation, normal)
+        q[:3] = self._origin - place.translation - arm
         return self.pose(q)
 
     def hold(self, poses: Sequence[Pose]) -> None:
@@ -144,7 +156,9 @@ class Scene:
             set_property("/Lights/AmbientLight/<object>", "intensity", 0.54),
             set_property("/Lights/FillLight/<object>", "intensity", 0.16),
             *(set_property(path, "visible", False) for path in _MESHCAT_OWN),
-            set_transform("/world/ground", pin.SE3(self.basis, np.zeros(3))),
+            set_transform(
+                "/world/ground", pin.SE3(self.basis if self._flat else np.eye(3), np.zeros(3))
+            ),
             lens(self.size),
         ]
         for i, visual in enumerate(self.visuals):
@@ -212,7 +226,12 @@ class Scene:
         light = sun(view.sun, 1.5 * self.reach + float(away))
         # Meshcat can replace a light only by taking it away first.
         dark: Command = {"type": "delete", "path": "/Lights/Sun"}
-        return [*self._ground(self.basis[:, :2].T @ middle, radius), dark, light]
+        if self._flat:
+            floor = self._ground(self.basis[:, :2].T @ middle, radius)
+        else:
+            at = self.ground.coordinates(middle)
+            floor = surface(self.ground, at, 3.0 * radius, self.spacing, 0.1 * self.detail)
+        return [*floor, dark, light]
 
     def look_at(self, target: Array) -> Command:
         """Bring a point (3,) [m] to where the camera looks."""
@@ -252,7 +271,8 @@ class Scene:
     def trace(self, contacts: Array, view: View, path: str = "/world/ground/trace") -> Command:
         """A line along contact points in the ground plane (n, 2), no two the same [m]."""
         width = max(self.detail, 0.003 * float(np.linalg.norm(view.camera)))
-        ribbon = ribbon_mesh(contacts, width, lift=0.2 * self.detail)
+        bend = None if self._flat else partial(lay, self.ground)
+        ribbon = ribbon_mesh(contacts, width, lift=0.2 * self.detail, bend=bend)
         return set_mesh(path, ribbon, material(_TRACE, "MeshBasicMaterial"))
 
     def animation(

@@ -22,11 +22,11 @@ from rrrobot.errors import UrdfError
 from rrrobot.robot.reader import parse_urdf
 from rrrobot.robot.robot import Robot
 from rrrobot.view.commands import Colour, Geometry, mesh
+from rrrobot.view.meshes import MeshError, find_mesh, read_mesh, short
 
 BAND_COLOURS: tuple[Colour, ...] = ((0.84, 0.37, 0.0), (0.0, 0.45, 0.7), (0.25, 0.25, 0.25))
 SHELL_COLOUR: Colour = (0.93, 0.91, 0.86, 0.4)
 _DEFAULT_COLOUR: Colour = (0.72, 0.74, 0.77, 1.0)
-_MESHES = (".stl", ".obj", ".dae")
 
 # three.js has a cylinder's axis along y, URDF along z.
 _Y_TO_Z = pin.SE3(pin.rpy.rpyToMatrix(math.pi / 2, 0, 0), np.zeros(3))
@@ -58,7 +58,8 @@ def robot_visuals(robot: Robot) -> list[Visual]:
     """Visuals of the URDF, and the shell where the URDF does not draw it.
 
     Warns:
-        UserWarning: meshes that are missing or unreadable are left out; one warning names them.
+        UserWarning: for meshes that are missing or unreadable, the link's collision shapes stand
+            in, or a box of its inertia; one warning names them.
 
     Example:
         >>> import rrrobot as rr
@@ -76,9 +77,9 @@ def robot_visuals(robot: Robot) -> list[Visual]:
         for element in link.findall("visual"):
             try:
                 shape = _shape(element, robot.package_dirs, meshes)
-            except _MeshError as error:
+            except MeshError as error:
                 missing.append(str(error))
-                continue
+                element, shape = _stand_in(link)
             if shape is not None:
                 geometry, reach, turn, flat = shape
                 at = frame.placement * _origin(element) * turn
@@ -86,7 +87,11 @@ def robot_visuals(robot: Robot) -> list[Visual]:
                 visuals.append(Visual(name, frame.parentJoint, at, geometry, colour, reach, flat))
     if missing:
         listed = "; ".join(dict.fromkeys(missing))
-        warnings.warn(f"the viewer leaves out meshes of {robot.name}: {listed}.", stacklevel=2)
+        warnings.warn(
+            f"the viewer has not all meshes of {robot.name}, and shows collision shapes or boxes "
+            f"instead: {listed}.",
+            stacklevel=2,
+        )
     if not any(_is_shell(visual, robot) for visual in visuals):
         visuals += shell_visuals(robot)
     return visuals
@@ -104,10 +109,6 @@ def shell_visuals(robot: Robot) -> list[Visual]:
         band = _round_mesh(shell, np.array((-0.05, 0.0, 0.05)), longitude, axes, 1.004 + 0.002 * i)
         visuals.append(Visual(f"band_{'xyz'[i]}", 1, place, band, colour, reach))
     return visuals
-
-
-class _MeshError(Exception):
-    """A mesh that cannot be drawn, and why."""
 
 
 _Shape = tuple[Geometry, float, pin.SE3, bool]
@@ -142,6 +143,28 @@ def _shape(visual: ET.Element, package_dirs: tuple[str, ...], meshes: _Meshes) -
     return None
 
 
+def _stand_in(link: ET.Element) -> tuple[ET.Element, _Shape | None]:
+    """A shape for a link whose mesh is missing, and the element that places it."""
+    for element in link.findall("collision"):
+        if element.find("geometry/mesh") is None:
+            shape = _shape(element, (), {})
+            if shape is not None:
+                return element, shape
+    inertial = link.find("inertial")
+    inertia, mass = link.find("inertial/inertia"), link.find("inertial/mass")
+    if inertial is None or inertia is None or mass is None:
+        return link, None
+    (m,) = _numbers(mass, "value", 1)
+    xx, yy, zz = (_numbers(inertia, name, 1)[0] for name in ("ixx", "iyy", "izz"))
+    if m <= 0 or xx + yy + zz <= 0:
+        return link, None
+    # Sides of a uniform box with these moments.
+    squares = 6 / m * np.array((yy + zz - xx, xx + zz - yy, xx + yy - zz))
+    x, y, z = np.sqrt(np.maximum(squares, 1e-8)).tolist()
+    box = {"type": "BoxGeometry", "width": x, "height": y, "depth": z}
+    return inertial, (box, math.hypot(x, y, z) / 2, pin.SE3.Identity(), False)
+
+
 def _capsule(radius: float, length: float) -> Geometry:
     half = np.linspace(0, math.pi / 2, 9)
     latitude = np.concatenate((-half[::-1], half))
@@ -153,41 +176,17 @@ def _capsule(radius: float, length: float) -> Geometry:
 
 def _mesh_file(shape: ET.Element, package_dirs: tuple[str, ...], meshes: _Meshes) -> _Shape:
     name = shape.get("filename", "")
-    path = _find(name, package_dirs)
     scale = tuple(_numbers(shape, "scale", 3)) if shape.get("scale") else (1.0, 1.0, 1.0)
-    if (path, scale) not in meshes:
+    path = find_mesh(name, package_dirs)
+    key = path, scale
+    if key not in meshes:
         try:
-            meshes[path, scale] = _read_mesh(path, np.array(scale))
-        except (ValueError, RuntimeError) as error:
-            raise _MeshError(f"{name!r} cannot be read ({error})") from None
-    return meshes[path, scale]
-
-
-def _read_mesh(path: Path, scale: Array) -> _Shape:
-    import coal
-
-    loaded = coal.MeshLoader().load(str(path), scale)
-    vertices = np.array(loaded.vertices(), dtype=float).reshape(-1, 3)
-    corners = (loaded.tri_indices(i) for i in range(loaded.num_tris))
-    faces = np.array([(f[0], f[1], f[2]) for f in corners]).reshape(-1, 3)
-    if not faces.size:
-        raise ValueError("it has no triangles")
-    reach = float(np.linalg.norm(vertices, axis=1).max())
-    return mesh(vertices, faces), reach, pin.SE3.Identity(), True
-
-
-def _find(name: str, package_dirs: tuple[str, ...]) -> Path:
-    """Path of a mesh named in a URDF."""
-    if not name.lower().endswith(_MESHES):
-        raise _MeshError(f"{name!r} is none of {', '.join(_MESHES)}")
-    bare = name.split("://", 1)[-1]
-    paths = [Path(folder, bare) for folder in package_dirs]
-    if not name.startswith("package:"):
-        paths.insert(0, Path(bare))
-    for path in paths:
-        if path.is_file():
-            return path
-    raise _MeshError(f"{name!r} is not found (package_dirs: {', '.join(package_dirs) or 'none'})")
+            vertices, faces = read_mesh(path, scale)
+        except MeshError as error:
+            raise MeshError(f"{short(name)} cannot be read ({error})") from None
+        reach = float(np.linalg.norm(vertices, axis=1).max())
+        meshes[key] = mesh(vertices, faces), reach, pin.SE3.Identity(), True
+    return meshes[key]
 
 
 def _numbers(element: ET.Element, name: str, count: int) -> list[float]:

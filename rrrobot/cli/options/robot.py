@@ -12,6 +12,7 @@ import click
 
 from rrrobot.cli.options.group import Group, option
 from rrrobot.cli.types import NUMBER, PER_LEG, Numbers, names, parse_number
+from rrrobot.contact.boulder import Boulder
 from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.surfaces import Sphere
 from rrrobot.drive.damping import BodyRateDamping, DampingLike, EulerRateDamping
@@ -150,6 +151,8 @@ GROUNDS = {
     "level": GroundKind("level", 0, lambda _, gravity: Plane(gravity=gravity)),
     "slope": GroundKind("slope:DEGREES", 1, _slope),
     "plane": GroundKind("plane:NX,NY,NZ", 3, lambda n, gravity: Plane(n, gravity=gravity)),
+    "boulder": GroundKind("boulder:R", 1, lambda r, gravity: Boulder(r[0], gravity=gravity)),
+    "bowl": GroundKind("bowl:R", 1, lambda r, gravity: Boulder(-r[0], gravity=gravity)),
 }
 """What --ground takes; a new ground is one entry."""
 
@@ -191,7 +194,8 @@ class GroundOptions(Group):
         default="level",
         show_default=True,
         metavar="|".join(kind.form for kind in GROUNDS.values()),
-        help="A slope rises along x; a plane has this normal. Gravity stays along -z.",
+        help="A slope rises along x; a plane has this normal; a boulder or a bowl is a sphere of "
+        "this radius [m], and the robot starts on its top or its bottom. Gravity stays along -z.",
     )
 
     def build(self, robot: RobotOptions) -> Ground:
@@ -207,8 +211,8 @@ class DampingOptions(Group):
     damping: PerLeg = option(
         "--damping",
         type=Numbers(1, 3),
-        help="Viscous loss, one number or R,P,Y [N m s/rad]; 0.01 unless given, on the axes that "
-        "the paper damps.",
+        help="Viscous loss, one number or R,P,Y [N m s/rad]; RRRobot's is 0.01 unless given, on "
+        "the axes that the paper damps; another robot's is none.",
     )
     damping_kind: str | None = option(
         "--damping-kind",
@@ -217,11 +221,15 @@ class DampingOptions(Group):
         "of the rates about the body's axes; euler unless given.",
     )
 
-    def build(self) -> DampingLike:
+    def build(self, robot: RobotOptions) -> DampingLike:
         """The damping; the robot's own without these options."""
         value, kind = self.damping, self.damping_kind
         if value is None and kind is None:
             return OWN
+        if value is None and not robot.is_rrrobot:
+            raise click.UsageError(
+                "--damping-kind needs --damping here: RRRobot's 0.01 N m s/rad is not this robot's."
+            )
         numbers = (value,) * 3 if isinstance(value, float) else value or (0.01,) * 3
         return (BodyRateDamping if kind == "body" else EulerRateDamping)(*numbers)
 
@@ -236,7 +244,7 @@ class Parts(NamedTuple):
     @classmethod
     def of(cls, robot: RobotOptions, ground: GroundOptions, damping: DampingOptions) -> Parts:
         """The parts that the options stand for."""
-        return cls(robot.build(), ground.build(robot), damping.build())
+        return cls(robot.build(), ground.build(robot), damping.build(robot))
 
     def model(self, kind: type[M]) -> M:
         """A model of this kind."""

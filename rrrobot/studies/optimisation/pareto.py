@@ -24,8 +24,8 @@ from rrrobot.studies.optimisation.goals import FastestTravel, LeastRate
 from rrrobot.studies.optimisation.result import confirm
 from rrrobot.studies.optimisation.run import check_whole, discrepancy, legs_of, prepare, weight_of
 from rrrobot.studies.optimisation.search import polish, search
-from rrrobot.studies.optimisation.space import Space
-from rrrobot.studies.optimisation.table import COLUMNS, GaitLimits
+from rrrobot.studies.optimisation.space import Space, swing_of
+from rrrobot.studies.optimisation.table import COLUMNS, GaitLimits, file_limits
 from rrrobot.studies.optimisation.task import (
     Evaluator,
     Progress,
@@ -116,8 +116,8 @@ def pareto_front(
     *,
     cost: str = "torque",
     points: int = 16,
-    offset: ArrayLike = (0.0, np.pi),
-    amplitude: ArrayLike = (0.0, 0.5),
+    offset: ArrayLike | None = None,
+    amplitude: ArrayLike | None = None,
     frequency: ArrayLike = (2.0, 14.0),
     phase_difference: ArrayLike = (0.0, 2 * np.pi),
     harmonics: int = 1,
@@ -151,13 +151,13 @@ def pareto_front(
         >>> front.gaits[-1].n_legs
         2
     """
-    limits = limits or GaitLimits()
+    limits = file_limits(model.robot.joints) if limits is None else limits
     budget = 30_000 * harmonics if budget is None else budget
     LeastRate(rate=cost)
     check_whole("points", points, 2)
     space = Space(
-        legs_of(model), offset=offset, amplitude=amplitude, frequency=frequency,
-        phase_difference=phase_difference, harmonics=harmonics, tied=tied,
+        legs_of(model), **swing_of(model.robot.joints, offset, amplitude, tied=tied),
+        frequency=frequency, phase_difference=phase_difference, harmonics=harmonics, tied=tied,
     )  # fmt: skip
     if space.n == 0:
         raise ParameterError("every bound is one number: a front needs something to vary.")

@@ -18,8 +18,8 @@ from rrrobot.models.base import Model
 from rrrobot.studies.optimisation.goals import Goal, as_goal
 from rrrobot.studies.optimisation.result import OptimisedGait, confirm
 from rrrobot.studies.optimisation.search import search
-from rrrobot.studies.optimisation.space import Space
-from rrrobot.studies.optimisation.table import GaitLimits, Table
+from rrrobot.studies.optimisation.space import Space, swing_of
+from rrrobot.studies.optimisation.table import GaitLimits, Table, file_limits
 from rrrobot.studies.optimisation.task import TIGHT, Evaluator, Progress, Task
 
 _LEAST_BUDGET = 100
@@ -29,8 +29,8 @@ def optimise(
     model: Model,
     goal: Goal | str,
     *,
-    offset: ArrayLike = (0.0, np.pi),
-    amplitude: ArrayLike = (0.0, 0.5),
+    offset: ArrayLike | None = None,
+    amplitude: ArrayLike | None = None,
     frequency: ArrayLike = (2.0, 14.0),
     phase_difference: ArrayLike = (0.0, 2 * np.pi),
     harmonics: int = 1,
@@ -44,18 +44,20 @@ def optimise(
     """The best gait for a goal, within bounds and limits.
 
     Args:
-        model: `FullModel` or `PivotingModel` of a robot with a spherical shell on level ground.
+        model: `FullModel` of any shell and ground that the engine knows, or `PivotingModel`.
         goal: "fastest", "tightest", "efficient", or a `FastestTravel`, `TightestTurn`,
             `LeastEffort` or `TargetMotion`.
         offset, amplitude: a number, which is kept; bounds (low, high) for all legs; or bounds
-            for each (legs, 2) [rad].
+            for each (legs, 2) [rad]. Unless either is given, within the limits of position in
+            the robot's file; 0 .. pi and 0 .. 0.5 without any.
         frequency: angular, of all legs; number or bounds [rad/s].
         phase_difference: of legs 2, 3, ... from leg 1; number, bounds, or bounds for each
             (legs - 1, 2) [rad].
         harmonics: 1 for sinusoids; more give Fourier gaits whose whole swing stays within the
             largest amplitude.
         tied: whether all legs share one offset and one amplitude.
-        limits: what the gait must respect; `GaitLimits()` unless given.
+        limits: what the gait must respect; `GaitLimits()` with the least effort and rate of the
+            robot's file unless given.
         settle_time: simulated before the cycles that count [s]. Twice the slowest decay is too
             short: `OptimisedGait.discrepancy` and `variation` tell.
         budget: gaits that may be simulated, at least 100; 20 000 for each harmonic unless given.
@@ -81,10 +83,10 @@ def optimise(
     """
     goal = as_goal(goal)
     space = Space(
-        legs_of(model), offset=offset, amplitude=amplitude, frequency=frequency,
-        phase_difference=phase_difference, harmonics=harmonics, tied=tied,
+        legs_of(model), **swing_of(model.robot.joints, offset, amplitude, tied=tied),
+        frequency=frequency, phase_difference=phase_difference, harmonics=harmonics, tied=tied,
     )  # fmt: skip
-    limits = limits or GaitLimits()
+    limits = file_limits(model.robot.joints) if limits is None else limits
     budget = 20_000 * harmonics if budget is None else budget
     evaluator = prepare(model, space, limits, settle_time, budget, seed, progress)
     task = Task(goal, limits, weight_of(model))

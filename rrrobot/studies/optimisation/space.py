@@ -21,6 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from rrrobot.checks import Array, finite
 from rrrobot.drive.gaits import FourierGait, SinusoidalGait
 from rrrobot.errors import ParameterError
+from rrrobot.robot.limits import LegJoints
 
 MAX_HARMONICS = 6
 _POINTS = 256
@@ -228,3 +229,37 @@ def bounds(
                 f"{name} has the bounds {low:g} and {high:g} {unit}: the lower one comes first."
             )
     return array
+
+
+OFFSET, AMPLITUDE = (0.0, np.pi), (0.0, 0.5)
+"""Bounds where neither a caller nor the robot's file names others [rad]."""
+
+
+def swing_of(
+    joints: LegJoints, offset: ArrayLike | None, amplitude: ArrayLike | None, *, tied: bool
+) -> dict[str, ArrayLike]:
+    """Bounds of offset and amplitude as `Space` takes them: those given, or the file's."""
+    if offset is None and amplitude is None:
+        offset, amplitude = _file_bounds(joints, tied=tied)
+    return {
+        "offset": OFFSET if offset is None else offset,
+        "amplitude": AMPLITUDE if amplitude is None else amplitude,
+    }
+
+
+def _file_bounds(joints: LegJoints, *, tied: bool) -> tuple[Array, Array]:
+    """Bounds of offset and amplitude (legs, 2), or (1, 2), all within the file's limits.
+
+    A leg between lo and hi swings by at most a = min(0.5, (hi - lo) / 4) about lo + a ... hi - a.
+    """
+    low, high = joints.lower.copy(), joints.upper.copy()
+    if tied:
+        low, high = low.max(keepdims=True), high.min(keepdims=True)
+    low, high = (np.where(np.abs(end) < 1e6, end, np.nan) for end in (low, high))
+    room = np.where(np.isfinite(high - low), high - low, np.inf)
+    swing = np.minimum(AMPLITUDE[1], room / 4)
+    first = np.where(np.isfinite(low), low + swing, np.minimum(OFFSET[0], high - np.pi))
+    last = np.where(np.isfinite(high), high - swing, np.maximum(OFFSET[1], low + np.pi))
+    first = np.where(np.isfinite(first), first, OFFSET[0])
+    last = np.where(np.isfinite(last), last, OFFSET[1])
+    return np.column_stack((first, last)), np.column_stack((0 * swing, swing))

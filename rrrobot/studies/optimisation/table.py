@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array, finite
+from rrrobot.robot.limits import LegJoints
 
 COLUMNS = {
     "speed": "m/s",
@@ -170,3 +171,13 @@ class GaitLimits:
     def to_dict(self) -> dict[str, Any]:
         """All limits as plain data."""
         return asdict(self)
+
+
+def file_limits(joints: LegJoints) -> GaitLimits:
+    """The usual limits, with the least effort and rate that the robot's file allows a leg."""
+    effort, rate = (
+        float(np.min(ends, initial=np.inf)) for ends in (joints.effort, joints.velocity)
+    )
+    return GaitLimits(
+        max_torque=effort if effort < 1e6 else None, max_leg_rate=rate if rate < 1e6 else None
+    )

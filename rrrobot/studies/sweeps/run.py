@@ -67,6 +67,7 @@ def sweep(
     executor: Executor | None = None,
     threads: int | None = None,
     loads: bool = False,
+    settle: str = "cycles",
     progress: bool | Callable[[int, int], None] | None = None,
 ) -> xr.Dataset:
     """Steady states of a model under all gaits of a grid, or under a list of gaits.
@@ -86,7 +87,7 @@ def sweep(
         angular_frequency: of all legs [rad/s]; 8 unless given.
         yaw_amplitude: of the legs in the yaw model alone of `DecoupledModels`, the paper's Fig 20
             [rad]: a number, or a DataArray over some of the gaits' dimensions, such as
-            `figures.maps.amplitude_modulation` gives; where it is NaN, as the other models'.
+            `rr.studies.amplitude_modulation` gives; where it is NaN, as the other models'.
         points: gaits instead of a grid: `SinusoidalGait`s, or a mapping from the names above to
             arrays (n,) or, one column a leg, (n, legs). What it does not name may still be a grid.
         parameters: grids of `RRRobotParameters` by name, for the model of a robot that
@@ -106,6 +107,12 @@ def sweep(
             motors and the `friction` that the contact needs, all of the last cycle. NaN where they
             mean nothing: all for `DecoupledModels`, friction for pivoted models. 10 steps a cycle
             give torques and friction to 1e-3 at worst on RRRobot (2e-5 in the middle), 20 to 1e-6.
+        settle: "cycles": simulate `cycles` of each gait, as the paper does, and take what they
+            have come to; "orbit": find its limit cycle (see `limit_cycle`), which needs no cycles
+            and leaves no transient. A gait whose orbit of one period does not hold has the status
+            6, one without any 7. `variation` is then the orbit's residual, and `yaw_mean` that of
+            a cycle that starts with yaw 0. Orbits start from their neighbours', so that the last
+            bits of a result (1e-11) depend on the gaits beside it.
         progress: a bar on stderr with rate and time left (True), none (False), one if stderr is a
             terminal (None), or a function called with (gaits done, gaits in all).
 
@@ -131,10 +138,12 @@ def sweep(
         >>> dict(ds.sizes), round(float(ds.speed[1, 0]), 6)
         ({'offset': 2, 'phase_difference': 1}, 0.009656)
     """
-    engine_of(model)
+    engine_of(model, settle)
     if not isinstance(loads, bool):
         raise ParameterError(f"loads is {loads!r}: it must be True or False.")
     run = run_settings(cycles, counted, steps_per_cycle) | {"loads": loads}
+    if settle == "orbit":
+        run = {key: run[key] for key in ("steps_per_cycle", "loads")}
     threads = _cores() if threads is None else whole("threads", threads, at_least=1)
     plan = Plan(model.robot.legs)
     plan.add_parameters(parameters or {})
@@ -148,8 +157,8 @@ def sweep(
         if not isinstance(model, DecoupledModels):
             raise ParameterError("yaw_amplitude is for DecoupledModels: leave it out.")
         plan.add_yaw_amplitude(yaw_amplitude)
-    variants = Variants(model, {name: plan.coords[name][1] for name in parameters or {}})
-    layout = Layout(plan.sizes, plan.coords, _attrs(model, variants.base, run))
+    variants = Variants(model, {name: plan.coords[name][1] for name in parameters or {}}, settle)
+    layout = Layout(plan.sizes, plan.coords, _attrs(model, variants.base, run) | {"settle": settle})
     if layout.size > LARGEST:
         raise ParameterError(
             f"the sweep has {layout.size} gaits, the limit is {LARGEST}: make the grids coarser, "
@@ -192,6 +201,9 @@ def _attrs(model: Swept, base: RRRobotParameters | None, run: dict[str, int]) ->
     """What a dataset says of itself."""
     from llvmlite import binding  # type: ignore[import-untyped, unused-ignore]
 
+    from rrrobot.momentum.cache import engine_hash
+
+    here = {"cpu": binding.get_host_cpu_name(), "engine": engine_hash()}
     used = versions() | {name: version(name) for name in ("numba", "xarray")}
     return {
         "title": f"steady states of gaits: {model.name} model of {model.robot.name}",
@@ -200,7 +212,7 @@ def _attrs(model: Swept, base: RRRobotParameters | None, run: dict[str, int]) ->
         "parameters": json.dumps(None if base is None else base.to_dict()),
         "robot": json.dumps(model.robot.to_dict()),
         **{name: int(value) for name, value in run.items()},
-        "versions": json.dumps(used | {"cpu": binding.get_host_cpu_name()}),
+        "versions": json.dumps(used | here),
     }
 
 

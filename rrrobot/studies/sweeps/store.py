@@ -11,8 +11,8 @@ from __future__ import annotations
 import json
 import math
 import os
+import warnings
 from collections.abc import Iterator, Mapping
-from io import FileIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from rrrobot.checks import Array
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable, write_whole
+from rrrobot.studies.sweeps.netcdf import begins, checksums, on_disk
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -34,6 +35,10 @@ STATUS = {
     1: "pitch_reached_90_degrees",
     2: "value_not_finite",
     3: "lifts_off",
+    4: "ground_ends",
+    5: "touches_twice",
+    6: "orbit_unstable",
+    7: "no_orbit_found",
 }
 """What the numbers of the variable `status` mean; results are NaN unless it is 0."""
 
@@ -69,9 +74,9 @@ those of a prismatic leg are forces [N]. Friction is NaN for pivoted models, whi
 that could slip; for roll and pitch models it is that of all that holds the body, their guides
 included. All are NaN for decoupled models, whose motion no forces of the whole robot make."""
 
-_SIZES = {1: 1, 2: 1, 3: 2, 4: 4, 5: 4, 6: 8}
-"""Bytes of the types of classic netCDF."""
-_BITS = ("rrrobot", "numpy", "numba", "pinocchio", "cpu")
+_CHECKSUM = "checksum"
+"""Variable of the file alone: CRC-32 of each gait's numbers, its status among them."""
+_BITS = ("rrrobot", "numpy", "numba", "pinocchio", "cpu", "engine")
 """Of the versions, those that the last bits of a result depend on."""
 _SHOWN = 60
 
@@ -153,12 +158,13 @@ class ResultsFile:
             self._refuse_others()
         else:
             blank = layout.dataset(layout.empty(virtual=True))
+            blank[_CHECKSUM] = tuple(layout.sizes), np.zeros(tuple(layout.sizes.values()), np.int32)
             content: Any = blank.to_netcdf(engine="scipy", format="NETCDF3_64BIT")
             write_whole(self.path, content)
         check_writable(self.path)
         try:
             self._stream = self.path.open("r+b", buffering=0)
-            self._begin = _begins(self._stream)
+            self._begin = begins(self._stream)
         except OSError as error:
             raise self._failure(error) from error
 
@@ -169,11 +175,36 @@ class ResultsFile:
         self._stream.close()
 
     def read_into(self, columns: Mapping[str, NDArray[Any]]) -> None:
-        """Fill columns with what the file holds."""
+        """Fill columns with what the file holds; a gait whose checksum is wrong is not computed.
+
+        Warns:
+            UserWarning: how many gaits are damaged.
+
+        Raises:
+            OutputError: the file ends too early.
+        """
         for name, column in columns.items():
-            kind = _on_disk(column)
-            self._stream.seek(self._begin[name])
-            column[:] = np.fromfile(self._stream, kind, column.size)
+            column[:] = self._get(name, column)
+        status = columns["status"]
+        done = np.flatnonzero(status != NOT_COMPUTED)
+        kept = self._get(_CHECKSUM, np.empty(status.size, np.int32))
+        wrong = kept[done] != checksums({name: column[done] for name, column in columns.items()})
+        bad = done[wrong | ~np.isin(status[done], list(STATUS))]
+        if bad.size:
+            for name, column in columns.items():
+                column[bad] = NOT_COMPUTED if name == "status" else np.nan
+            warnings.warn(
+                f"{bad.size} of {done.size} gaits in {str(self.path)!r} are damaged: their "
+                "checksums do not fit. They are computed again.",
+                stacklevel=2,
+            )
+
+    def _get(self, name: str, column: NDArray[Any]) -> NDArray[Any]:
+        self._stream.seek(self._begin[name])
+        found = np.fromfile(self._stream, on_disk(column), column.size)
+        if found.size != column.size:
+            raise OutputError(f"{str(self.path)!r} ends within {name}: it is not whole; delete it.")
+        return found
 
     def write(self, first: int, columns: Mapping[str, NDArray[Any]]) -> None:
         """Put a chunk's columns (n,) into the places first, first + 1, ...; status last.
@@ -185,6 +216,7 @@ class ResultsFile:
             for name, column in columns.items():
                 if name != "status":
                     self._put(name, first, column)
+            self._put(_CHECKSUM, first, checksums(columns))
             os.fsync(self._stream.fileno())
             self._put("status", first, columns["status"])
             os.fsync(self._stream.fileno())
@@ -192,7 +224,7 @@ class ResultsFile:
             raise self._failure(error) from error
 
     def _put(self, name: str, first: int, column: NDArray[Any]) -> None:
-        kind = _on_disk(column)
+        kind = on_disk(column)
         self._stream.seek(self._begin[name] + first * kind.itemsize)
         rest = memoryview(column.astype(kind).tobytes())
         while rest:
@@ -209,6 +241,8 @@ class ResultsFile:
         try:
             with xr.open_dataset(self.path, engine="scipy") as found:
                 differ = list(_differences(found, self.layout))
+                if _CHECKSUM not in found:
+                    differ.append("its variables: it has no checksums")
         except (OSError, ValueError, TypeError, KeyError, IndexError) as error:
             raise OutputError(
                 f"{shown} is not the netCDF file of a sweep ({type(error).__name__}). Name another "
@@ -220,47 +254,6 @@ class ResultsFile:
                 f"{shown} holds another sweep. It differs in {'; '.join(differ[:5])}{more}. Name "
                 "another file, or begin anew with resume=False (--no-resume)."
             )
-
-
-def _on_disk(column: NDArray[Any]) -> np.dtype[Any]:
-    return column.dtype.newbyteorder(">")
-
-
-def _begins(stream: FileIO) -> dict[str, int]:
-    """Where the values of each variable begin in a classic netCDF file [bytes]."""
-
-    def number(size: int = 4) -> int:
-        return int.from_bytes(stream.read(size), "big")
-
-    def skip(size: int) -> None:
-        stream.seek(size + -size % 4, os.SEEK_CUR)
-
-    def name() -> str:
-        size = number()
-        text = stream.read(size).decode()
-        stream.seek(-size % 4, os.SEEK_CUR)
-        return text
-
-    def skip_attributes() -> None:
-        number()
-        for _ in range(number()):
-            name()
-            skip(_SIZES[number()] * number())
-
-    stream.seek(8)
-    number()
-    for _ in range(number()):
-        name(), number()
-    skip_attributes()
-    number()
-    found = {}
-    for _ in range(number()):
-        variable = name()
-        skip(4 * number())
-        skip_attributes()
-        skip(8)
-        found[variable] = number(8)
-    return found
 
 
 def _differences(found: xr.Dataset, layout: Layout) -> Iterator[str]:
@@ -288,6 +281,8 @@ def _differences(found: xr.Dataset, layout: Layout) -> Iterator[str]:
 def _unequal(name: str, there: Any, here: Any) -> Iterator[str]:
     if isinstance(there, dict) and isinstance(here, dict):
         for key in _BITS if name == "versions" else sorted(there.keys() | here.keys()):
+            if name == "robot" and key == "package_dirs":
+                continue  # where the meshes lie is no part of what a robot is
             yield from _unequal(f"{name}.{key}", there.get(key), here.get(key))
     elif there != here:
         yield f"{name} ({_shown(there)} there, {_shown(here)} here)"

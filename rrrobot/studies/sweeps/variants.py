@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -74,30 +74,32 @@ class DecoupledModels:
 Swept = Model | DecoupledModels
 
 
-class Engine(Protocol):
-    """Computes steady states: the columns `RESULT` of `momentum.batch`, then `LOADS` if asked."""
-
-    def __call__(
-        self,
-        setting: Any,
-        gaits: Gaits,
-        *,
-        cycles: int,
-        counted: int,
-        steps_per_cycle: int,
-        yaw_amplitude: Array | None = None,
-        loads: bool = False,
-    ) -> Array: ...
+Engine = Callable[..., Array]
+"""Computes steady states of (setting, gaits, **run): the columns `RESULT` of `momentum.batch`, then
+`LOADS` if asked."""
 
 
-def engine_of(model: Swept) -> tuple[Engine, Any]:
+def engine_of(model: Swept, settle: str = "cycles") -> tuple[Engine, Any]:
     """The engine of a model, and the model in its terms.
 
+    Args:
+        model: any.
+        settle: "cycles": simulate so many; "orbit": find the limit cycle.
+
     Raises:
-        ModelError: there is none.
+        ModelError: there is none, or nothing brakes a model whose limit cycles are wanted.
+        ParameterError: no such way to settle.
     """
     from rrrobot.momentum.batch import decoupled_setting, lower, steady_states
+    from rrrobot.orbits.many import orbit_states
+    from rrrobot.orbits.section import section_of
 
+    if settle not in ("cycles", "orbit"):
+        raise ParameterError(f"settle is {settle!r}: it must be 'cycles' or 'orbit'.")
+    if settle == "orbit":
+        setting = engine_of(model)[1]
+        section_of(setting, model.name)
+        return orbit_states, setting
     if isinstance(model, DecoupledModels):
         return steady_states, decoupled_setting(model.robot, *model.models)
     if not isinstance(model, Model):
@@ -121,8 +123,10 @@ class Variants:
         base: the robot's own parameters; None if it is no RRRobot.
     """
 
-    def __init__(self, model: Swept, grids: Mapping[str, ArrayLike]) -> None:
-        self._model = model
+    def __init__(
+        self, model: Swept, grids: Mapping[str, ArrayLike], settle: str = "cycles"
+    ) -> None:
+        self._model, self._settle = model, settle
         self._grids = {name: np.atleast_1d(np.asarray(grid)) for name, grid in grids.items()}
         self._last: tuple[int, tuple[Engine, Any, Robot]] | None = None
         self.base = model.robot.parameters
@@ -145,7 +149,7 @@ class Variants:
                 pairs = zip(self._grids.items(), place, strict=True)
                 values = {name: float(grid[i]) for (name, grid), i in pairs}
                 model = remade(model, Robot.from_parameters(self._parameters(values)))
-            self._last = number, (*engine_of(model), model.robot)
+            self._last = number, (*engine_of(model, self._settle), model.robot)
         return self._last[1]
 
     def _parameters(self, values: dict[str, Any]) -> RRRobotParameters:
@@ -173,8 +177,9 @@ def clearance(robot: Robot, gaits: Gaits) -> Array:
         c, s = up @ (lever - along), up @ np.cross(axis, lever)
         fixed = tree.translation[0, 2] + tree.translation[i, 2] + up @ along
         # From the lowest angle to the swing's centre, and to the nearest angle of the swing.
-        turn = gaits.offset[:, tree.leg[i]] - math.atan2(-s, -c)
+        k, ratio = tree.leg[i], tree.ratio[i]
+        turn = ratio * gaits.offset[:, k] + tree.shift[i] - math.atan2(-s, -c)
         away = np.abs((turn + np.pi) % (2 * np.pi) - np.pi)
-        nearest = np.maximum(away - np.abs(gaits.amplitude[:, tree.leg[i]]), 0.0)
+        nearest = np.maximum(away - np.abs(ratio * gaits.amplitude[:, k]), 0.0)
         lowest = np.minimum(lowest, fixed - math.hypot(c, s) * np.cos(nearest))
     return robot.shell.radius + lowest

@@ -40,6 +40,12 @@ class Plan:
             speed and yaw rate [s].
         obstacles, margin: what was kept clear, and how far [m].
         rest: how the body stands at the start.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> p = rr.plan(rr.FullModel(rr.Robot.from_parameters()), goal=(0.0, 0.2, 0.0))
+        >>> bool(p.lower_bound < p.gait.duration < p.duration)
+        True
     """
 
     model: Model = field(repr=False)

@@ -1,0 +1,86 @@
+"""`rrrobot orbit`: the limit cycle of a gait, and whether it holds."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from rrrobot.cli.options.drive import GaitOptions
+from rrrobot.cli.options.group import takes
+from rrrobot.cli.options.orbit import OrbitOptions
+from rrrobot.cli.options.robot import DampingOptions, GroundOptions, RobotOptions
+from rrrobot.cli.report import aligned, tell
+from rrrobot.drawing import write_figure
+from rrrobot.files import check_writable
+
+if TYPE_CHECKING:
+    from rrrobot.orbits.limit_cycles import LimitCycle
+
+
+@click.command("orbit")
+@takes(
+    orbit=OrbitOptions,
+    robot=RobotOptions,
+    ground=GroundOptions,
+    gait=GaitOptions,
+    damping=DampingOptions,
+)
+@click.option("--plot", metavar="FILE", help="Angles, torques, multipliers and path: .png, .svg.")
+@click.option("--json", "as_json", is_flag=True, help="As JSON, SI units.")
+def orbit_command(
+    orbit: OrbitOptions,
+    robot: RobotOptions,
+    ground: GroundOptions,
+    gait: GaitOptions,
+    damping: DampingOptions,
+    plot: str | None,
+    as_json: bool,
+) -> None:
+    """Find the motion that a gait settles to, and whether it holds.
+
+    The limit cycle is found by Newton's method on the map of tilt and momentum over one period of
+    the legs, stable or not. Multipliers below one in size: deviations die away.
+
+    \b
+    Examples:
+      rrrobot orbit --gait circular --plot cycle.png
+      rrrobot orbit --offset pi/2 --amplitude 0.5 --frequency 5.2 --phase 0 --json
+    """
+    path = None if plot is None else check_writable(Path(plot))
+    cycle = orbit.build(robot, ground, gait, damping)
+    files = [] if path is None else [write_figure(cycle.plot("all"), path)]
+    tell(cycle.to_dict() | {"model": cycle.model.name}, _table(cycle), files, as_json=as_json)
+
+
+def _table(cycle: LimitCycle) -> str:
+    rows = [
+        ("model", str(cycle.model.name)),
+        ("period", f"{cycle.period:.6g} s, {cycle.periods} of the legs"),
+        ("stable", "yes" if cycle.stable else "NO: deviations grow"),
+        ("speed v", f"{1e3 * cycle.speed:.6f} mm/s"),
+        ("yaw rate", f"{cycle.yaw_rate:.8f} rad/s"),
+        ("curvature", f"{cycle.curvature:.5g} 1/m"),
+    ]
+    for i, name in enumerate(("roll", "pitch", "yaw")):
+        angles = (cycle.amplitude[i], cycle.phase[i], cycle.mean[i])
+        swing, phase, mean = (math.degrees(value) for value in angles)
+        rows.append(
+            (name, f"amplitude {swing:.3f} deg, phase {phase:.1f} deg, mean {mean:.3f} deg")
+        )
+    for m, time, rate in zip(
+        cycle.multipliers, cycle.settling_times, cycle.frequencies, strict=True
+    ):
+        rows.append(
+            (
+                "multiplier",
+                f"{m.real:+.6f} {m.imag:+.6f}i, size {abs(m):.6f}, 1/e in {time:.3g} s, "
+                f"{rate:.4g} rad/s",
+            )
+        )
+    if cycle.lifts_off:
+        rows.append(("LIFTS OFF", f"normal force down to {cycle.normal_force:.4g} N"))
+    rows.append(("residual", f"{cycle.residual:.1e}, {cycle.steps_per_cycle} steps a cycle"))
+    return aligned(rows)

@@ -1,0 +1,32 @@
+"""Matrices from the samples of a cycle to what lies between them."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from rrrobot.checks import Array
+
+
+@cache
+def interpolation(n: int, points: int) -> Array:
+    """Matrix (points, n) from n samples of a period to their trigonometric interpolation."""
+    spectrum = np.fft.rfft(np.eye(n), axis=0)
+    if n % 2 == 0:
+        # Half of the Nyquist term stands at each end of the longer spectrum.
+        spectrum[-1] *= 0.5
+    return np.ascontiguousarray(points / n * np.fft.irfft(spectrum, points, axis=0))
+
+
+@cache
+def spline_matrix(n: int, times: int, order: int) -> Array:
+    """Matrix from n samples at 0, 1, ... to a derivative of their spline, `times` points for each.
+
+    For what does not repeat; the last point is the last sample. Quintic with 6 samples or more.
+    """
+    from scipy.interpolate import make_interp_spline
+
+    at = np.arange(times * (n - 1) + 1) / times
+    spline = make_interp_spline(np.arange(n, dtype=float), np.eye(n), k=5 if n >= 6 else 3)
+    return np.ascontiguousarray(spline(at, order))

@@ -1,0 +1,114 @@
+"""One lane of a body on any ground: where its numbers stand, its velocity, its rates."""
+
+from __future__ import annotations
+
+import numpy as np
+from numba import njit
+
+from rrrobot.checks import Array
+from rrrobot.momentum.coefficients import LANES
+from rrrobot.momentum.terrain import Terrain
+
+R, N, S, H, W, P, X, U, UP = 0, 9, 12, 15, 21, 24, 27, 30, 36
+"""First rows of the scratch: R, n_b, s, H (xx, yy, zz, xy, xz, yz), w, p, x_dot, what a graph keeps
+(f_x, f_y and Hess f/W), and two that stay: the least room to where the ground or its description
+ends, and the least det(1 + H G), each negative once it has been."""
+ROOM, DET = UP, UP + 1
+N_SCRATCH = UP + 2
+
+
+def scratch(terrain: Terrain | None) -> Array:
+    """Room for the evaluations of LANES lanes: entry r of lane i at r LANES + i."""
+    if terrain is None:
+        return np.zeros(0)
+    top = int(terrain.degrees.max()) + 1
+    series, graph = 20 + 3 * top, 37
+    return np.zeros((N_SCRATCH + max(series, graph)) * LANES)
+
+
+@njit(inline="always")
+def turn(y, i):  # type: ignore[no-untyped-def]
+    """R of lane i, row by row."""
+    x, v, z, w = y[i], y[LANES + i], y[2 * LANES + i], y[3 * LANES + i]
+    two = 2.0 / (x * x + v * v + z * z + w * w)
+    return (
+        1.0 - two * (v * v + z * z), two * (x * v - w * z), two * (x * z + w * v),
+        two * (x * v + w * z), 1.0 - two * (x * x + z * z), two * (v * z - w * x),
+        two * (x * z - w * v), two * (v * z + w * x), 1.0 - two * (x * x + v * v),
+    )  # fmt: skip
+
+
+@njit(inline="always")
+def velocity(y, c, row, par, i, s0, s1, s2):  # type: ignore[no-untyped-def]
+    """w and p of lane i."""
+    m0, m1, m2 = c[row, i], c[row, LANES + i], c[row, 2 * LANES + i]
+    p0, p1, p2 = c[row, 9 * LANES + i], c[row, 10 * LANES + i], c[row, 11 * LANES + i]
+    mass = par[i]
+    b0 = y[4 * LANES + i] - c[row, 12 * LANES + i] - (s1 * p2 - s2 * p1)
+    b1 = y[5 * LANES + i] - c[row, 13 * LANES + i] - (s2 * p0 - s0 * p2)
+    b2 = y[6 * LANES + i] - c[row, 14 * LANES + i] - (s0 * p1 - s1 * p0)
+    # I_P = I + (2 s.mc + M s.s) 1 - (mc s^T + s mc^T) - M s s^T.
+    whole = 2.0 * (m0 * s0 + m1 * s1 + m2 * s2) + mass * (s0 * s0 + s1 * s1 + s2 * s2)
+    i00 = c[row, 3 * LANES + i] + whole - (2.0 * m0 + mass * s0) * s0
+    i11 = c[row, 4 * LANES + i] + whole - (2.0 * m1 + mass * s1) * s1
+    i22 = c[row, 5 * LANES + i] + whole - (2.0 * m2 + mass * s2) * s2
+    i01 = c[row, 6 * LANES + i] - m0 * s1 - s0 * m1 - mass * s0 * s1
+    i02 = c[row, 7 * LANES + i] - m0 * s2 - s0 * m2 - mass * s0 * s2
+    i12 = c[row, 8 * LANES + i] - m1 * s2 - s1 * m2 - mass * s1 * s2
+    a00 = i11 * i22 - i12 * i12
+    a01 = i02 * i12 - i01 * i22
+    a02 = i01 * i12 - i02 * i11
+    a11 = i00 * i22 - i02 * i02
+    a12 = i01 * i02 - i00 * i12
+    a22 = i00 * i11 - i01 * i01
+    over = 1.0 / (i00 * a00 + i01 * a01 + i02 * a02)
+    w0 = over * (a00 * b0 + a01 * b1 + a02 * b2)
+    w1 = over * (a01 * b0 + a11 * b1 + a12 * b2)
+    w2 = over * (a02 * b0 + a12 * b1 + a22 * b2)
+    # M s + mc takes the place of both parts of p.
+    t0, t1, t2 = mass * s0 + m0, mass * s1 + m1, mass * s2 + m2
+    p0, p1, p2 = p0 + w1 * t2 - w2 * t1, p1 + w2 * t0 - w0 * t2, p2 + w0 * t1 - w1 * t0
+    return w0, w1, w2, p0, p1, p2
+
+
+@njit(inline="always")
+def finish(  # type: ignore[no-untyped-def]
+    y, c, row, par, k, stage, i, zx, zy, zz, s0, s1, s2, w0, w1, w2, p0, p1, p2, x0, x1, x2
+):
+    """Rates of the quaternion, of K and of yaw of lane i."""
+    qx, qy, qz, qw = y[i], y[LANES + i], y[2 * LANES + i], y[3 * LANES + i]
+    mass, g = par[i], par[3 * LANES + i]
+    t0 = g * (mass * s0 + c[row, i])
+    t1 = g * (mass * s1 + c[row, LANES + i])
+    t2 = g * (mass * s2 + c[row, 2 * LANES + i])
+    k0, k1, k2 = y[4 * LANES + i], y[5 * LANES + i], y[6 * LANES + i]
+    f0 = -(w1 * k2 - w2 * k1) - (t1 * zz - t2 * zy) - (x1 * p2 - x2 * p1)
+    f1 = -(w2 * k0 - w0 * k2) - (t2 * zx - t0 * zz) - (x2 * p0 - x0 * p2)
+    f2 = -(w0 * k1 - w1 * k0) - (t0 * zy - t1 * zx) - (x0 * p1 - x1 * p0)
+    # Euler rates, from sin pitch = -zx and cos pitch (sin roll, cos roll) = (zy, zz).
+    over_cos = 1.0 / np.sqrt(zy * zy + zz * zz)
+    sr, cr = zy * over_cos, zz * over_cos
+    tp = -zx * over_cos
+    about = sr * w1 + cr * w2
+    yaw_rate = about * over_cos
+    on_roll = -par[4 * LANES + i] * (w0 + tp * about)
+    on_pitch = -par[5 * LANES + i] * (cr * w1 - sr * w2)
+    lever = tp * on_roll - par[6 * LANES + i] * yaw_rate * over_cos
+    euler = par[7 * LANES + i]
+    body = 1.0 - euler
+    f0 += euler * on_roll - body * par[4 * LANES + i] * w0
+    f1 += euler * (sr * lever + cr * on_pitch) - body * par[5 * LANES + i] * w1
+    f2 += euler * (cr * lever - sr * on_pitch) - body * par[6 * LANES + i] * w2
+    k[stage, i] = 0.5 * (qw * w0 + qy * w2 - qz * w1)
+    k[stage, LANES + i] = 0.5 * (qw * w1 + qz * w0 - qx * w2)
+    k[stage, 2 * LANES + i] = 0.5 * (qw * w2 + qx * w1 - qy * w0)
+    k[stage, 3 * LANES + i] = -0.5 * (qx * w0 + qy * w1 + qz * w2)
+    k[stage, 4 * LANES + i], k[stage, 5 * LANES + i], k[stage, 6 * LANES + i] = f0, f1, f2
+    k[stage, 9 * LANES + i] = yaw_rate
+
+
+@njit(inline="always")
+def along_plane(basis, k, stage, i, d0, d1, d2):  # type: ignore[no-untyped-def]
+    """Rates of a plane's coordinates, of P_dot in the world."""
+    k[stage, 7 * LANES + i] = basis[0, 0] * d0 + basis[0, 1] * d1 + basis[0, 2] * d2
+    k[stage, 8 * LANES + i] = basis[1, 0] * d0 + basis[1, 1] * d1 + basis[1, 2] * d2

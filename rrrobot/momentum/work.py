@@ -1,0 +1,93 @@
+"""Gaits as the engine takes them, and room for a block of them."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rrrobot.checks import Array
+from rrrobot.momentum.coefficients import LANES, N_COEFFICIENTS, LaneWork, lane_work
+from rrrobot.momentum.kernels import BLOCK, DECOUPLED, N_STAGES
+from rrrobot.momentum.lane import scratch
+from rrrobot.momentum.lowering import Setting
+from rrrobot.momentum.normal import N_ANY_MOTION
+from rrrobot.momentum.summary import ROWS_PER_STEP
+from rrrobot.momentum.vertical import N_PAST
+
+
+class FourierGaits(NamedTuple):
+    """Gaits, one a row: phi = offset + sum over j of sine_j sin(j w t) + cosine_j cos(j w t)."""
+
+    offset: Array
+    """(n, legs) [rad]"""
+    sine: Array
+    """(n, harmonics, legs) [rad]"""
+    cosine: Array
+    """(n, harmonics, legs) [rad]"""
+    angular_frequency: Array
+    """(n,) [rad/s]"""
+
+
+class Work(NamedTuple):
+    """Room for a block of LANES gaits."""
+
+    lanes: LaneWork
+    gait: Array
+    """offset, then a sine and a cosine for each harmonic (1 + 2 harmonics, legs, LANES)"""
+    omega: Array
+    """(LANES,) [rad/s]"""
+    table: Array
+    """coefficients (rows, 15 LANES)"""
+    other: Array
+    """those of the yaw model alone"""
+    parameters: Array
+    """(N_PARAMETER LANES,)"""
+    h: Array
+    """step of each lane, for each entry of its state (BLOCK,) [s]"""
+    ends: NDArray[np.int64]
+    """cycles of each lane (LANES,)"""
+    state: Array
+    """now, at the step before, and scratch (4, BLOCK)"""
+    slopes: Array
+    """(N_STAGES, BLOCK)"""
+    areas: Array
+    """integrals of x, y and yaw over a cycle (3 LANES,)"""
+    means: Array
+    """of x, y and yaw over the counted cycles (counted, 3 LANES)"""
+    angles: Array
+    """roll, pitch and yaw at the steps of a cycle, summed over the counted ones (n, 3 LANES)"""
+    lift: Array
+    """vertical momentum relative to the centre at the steps of the last cycle (n, LANES); where
+    axis is ANY, the whole momentum along the ground's normal"""
+    push: Array
+    """what its rate lacks of the normal force, where axis is ANY (n, LANES)"""
+    rolling: Array
+    """scratch, see `rolling.scratch`"""
+    status: NDArray[np.int64]
+    """(LANES,)"""
+    largest: Array
+    """|sin pitch| (LANES,)"""
+    past: Array
+    """see `watch` (N_PAST, 2, LANES)"""
+    sides: Array
+    """likewise (3, LANES)"""
+    now: Array
+    """one lane's motion (N_ANY_MOTION,)"""
+
+
+def work_of(setting: Setting, harmonics: int, counted: int, n_steps: int) -> Work:
+    """Room for blocks of gaits of a number of steps."""
+    lanes, rows = lane_work(setting.tree), n_steps * ROWS_PER_STEP + 1
+    legs, width = len(lanes.angle), N_COEFFICIENTS * LANES
+    return Work(
+        lanes, np.zeros((1 + 2 * harmonics, legs, LANES)), np.zeros(LANES),
+        np.zeros((rows, width)), np.zeros((rows if setting.axis == DECOUPLED else 0, width)),
+        np.repeat(setting.parameters, LANES), np.zeros(BLOCK), np.zeros(LANES, dtype=np.int64),
+        np.zeros((4, BLOCK)), np.zeros((N_STAGES, BLOCK)), np.zeros(3 * LANES),
+        np.zeros((counted, 3 * LANES)), np.zeros((n_steps, 3 * LANES)), np.zeros((n_steps, LANES)),
+        np.zeros((n_steps, LANES)), scratch(setting.terrain),
+        np.zeros(LANES, dtype=np.int64), np.zeros(LANES), np.zeros((N_PAST, 2, LANES)),
+        np.zeros((3, LANES)), np.zeros(N_ANY_MOTION),
+    )  # fmt: skip

@@ -1,0 +1,217 @@
+"""Newton and Broyden steps on the return maps of many gaits at once.
+
+With P the map of a state to that one period later, an orbit is a root of F(x) = P(x) - x. Each
+lane keeps an approximate inverse H of dF/dx: the difference quotients of the flow over one period
+at first, or a neighbour's, then Broyden's updates, so that a step costs one period of simulation:
+
+    dx = -H F,      H += (dx - H dF) (dx^T H) / (dx^T H dF)
+
+A step that makes the residual grow much is halved. Orbits are found whether they are stable or not.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rrrobot.checks import Array
+from rrrobot.momentum.returns import Cycles, carry, replicated
+from rrrobot.orbits.section import Section, momentum_scale
+
+TOLERANCE = 1e-12
+"""Largest residual of an orbit in scaled units."""
+_FORWARD = 1e-7
+_CENTRAL = 2e-3
+_LARGEST_STEP = 0.7
+"""In scaled units: about 40 degrees."""
+_GROWTH = 3.0
+_HALVINGS = 6
+
+
+class ReturnMap(NamedTuple):
+    """P of n gaits: the state's coordinates one period (or some) of the legs later."""
+
+    cycles: Cycles
+    section: Section
+    scale: Array
+    periods: int
+
+    def __call__(self, x: Array, wanted: NDArray[np.bool_] | None = None) -> Array:
+        """P(x) (n, size); for gaits that are not wanted it may be anything finite."""
+        y = carry(self.cycles, self.section.state(x, self.scale), self.periods, wanted)
+        return self.section.point(y, self.scale)
+
+
+class Roots(NamedTuple):
+    """How the iterations ended."""
+
+    point: Array
+    """(n, size)"""
+    residual: Array
+    """largest entry of |P(x) - x| (n,)"""
+    inverse: Array
+    """approximate inverse of dF/dx (n, size, size)"""
+    iterations: NDArray[np.int64]
+    """periods that each gait took (n,)"""
+
+    @property
+    def found(self) -> NDArray[np.bool_]:
+        """Which are orbits (n,)."""
+        return self.residual <= TOLERANCE
+
+
+def return_map(cycles: Cycles, section: Section, periods: int = 1) -> ReturnMap:
+    """The return map of gaits."""
+    return ReturnMap(cycles, section, momentum_scale(cycles), periods)
+
+
+def rough_derivative(
+    P: ReturnMap, x: Array, image: Array, wanted: NDArray[np.bool_] | None = None
+) -> Array:
+    """dP/dx (n, size, size) by forward differences; to about 1e-7."""
+    return _differences(P, x, ((0, -1.0), (1, 1.0)), _FORWARD, wanted, image)
+
+
+def derivative(P: ReturnMap, x: Array) -> Array:
+    """dP/dx (n, size, size) by central differences of sixth order of the flow; to about 1e-11.
+
+    The map is one of fixed steps, so it is smooth to the last digits and differences of high order
+    lose none but the last three.
+    """
+    return _differences(P, x, STENCIL, _CENTRAL)
+
+
+def _differences(
+    P: ReturnMap,
+    x: Array,
+    stencil: tuple[tuple[int, float], ...],
+    step: float,
+    wanted: NDArray[np.bool_] | None = None,
+    image: Array | None = None,
+) -> Array:
+    n, d = x.shape
+    moved = np.array([x + k * step * e for e in np.eye(d) for k, _ in stencil if k != 0])
+    if n == 1:
+        # All starts of one gait fill the lanes.
+        many = P._replace(
+            cycles=replicated(P.cycles, len(moved)), scale=np.repeat(P.scale, len(moved))
+        )
+        images = many(moved[:, 0])[:, None] if len(moved) else moved
+    else:
+        images = np.array([P(some, wanted) for some in moved])
+    out, place = np.zeros((n, d, d)), 0
+    for j in range(d):
+        for k, weight in stencil:
+            if k == 0:
+                out[:, :, j] += weight / step * image  # type: ignore[operator]
+                continue
+            out[:, :, j] += weight / step * images[place]
+            place += 1
+    return out
+
+
+STENCIL = tuple((k, w / 60) for k, w in ((-3, -1), (-2, 9), (-1, -45), (1, 45), (2, -9), (3, 1)))
+"""Points, in steps, and weights of the central difference of sixth order."""
+
+
+def iterate(
+    P: ReturnMap,
+    x: Array,
+    inverse: Array | None = None,
+    *,
+    wanted: NDArray[np.bool_] | None = None,
+    limit: int = 30,
+    trusting: bool = False,
+) -> Roots:
+    """Roots of P(x) - x from starts x (n, size); see the module.
+
+    Args:
+        P: of n gaits.
+        x: starts.
+        inverse: of dF/dx (n, size, size); by differences at x if None.
+        wanted: which gaits (n,); all if None.
+        limit: most steps.
+        trusting: leave the last step unproven where the steps before foretell that it ends below
+            the tolerance; the residual is then what is foretold, and the caller has to look.
+    """
+    n, d = x.shape
+    x = x.copy()
+    todo = np.ones(n, dtype=bool) if wanted is None else wanted.copy()
+    count = np.zeros(n, dtype=np.int64)
+    F = np.zeros_like(x)
+    F[todo] = (P(x, todo) - x)[todo]
+    count[todo] += 1
+    if inverse is None:
+        J = rough_derivative(P, x, F + x, todo)
+        H = _inverses(J - np.eye(d), todo)
+        count[todo] += d
+    else:
+        H = inverse.copy()
+    size = _size(F)
+    halved = np.zeros(n, dtype=np.int64)
+    dx = _step(H, F)
+    todo &= np.isfinite(size)
+    for _ in range(limit):
+        todo &= ~((size <= 0.03 * TOLERANCE) | ((size <= TOLERANCE) & (_size(dx) <= TOLERANCE)))
+        if not todo.any():
+            break
+        trial = np.where(todo[:, None], x + dx, x)
+        new = P(trial, todo) - trial
+        count[todo] += 1
+        new_size = _size(new)
+        worse = todo & ~(new_size <= _GROWTH * size + TOLERANCE) & (halved < _HALVINGS)
+        fine = todo & ~worse & np.isfinite(new_size)
+        # Rounding: neither smaller nor larger means there is no more to gain.
+        floor = fine & (new_size >= 0.5 * size) & (size <= TOLERANCE)
+        old_size = size.copy()
+        moved, dF = dx[fine], (new - F)[fine]
+        H[fine] = _updated(H[fine], moved, dF)
+        x[fine], F[fine], size[fine] = trial[fine], new[fine], new_size[fine]
+        if trusting:
+            foretold = new_size * (new_size / np.maximum(old_size, 1e-300)) ** 1.5
+            last = fine & (foretold <= 0.1 * TOLERANCE) & (size > 0.03 * TOLERANCE)
+            x[last] += _step(H[last], F[last])
+            size[last] = foretold[last]
+            todo &= ~last
+        halved[fine] = 0
+        halved[worse] += 1
+        todo &= (fine | worse) & ~floor
+        dx = np.where(worse[:, None], 0.5 * dx, _step(H, F))
+    size = np.where(np.isfinite(size), size, np.inf)
+    if wanted is not None:
+        size = np.where(wanted, size, np.inf)
+    return Roots(x, size, H, count)
+
+
+def _size(F: Array) -> Array:
+    return np.abs(F).max(axis=1, initial=0.0)
+
+
+def _step(H: Array, F: Array) -> Array:
+    dx = -np.einsum("nij,nj->ni", H, F)
+    long = _size(dx)
+    return np.asarray(dx * np.minimum(1.0, _LARGEST_STEP / np.maximum(long, 1e-300))[:, None])
+
+
+def _inverses(matrices: Array, wanted: NDArray[np.bool_]) -> Array:
+    """Inverses, or zero where there is none; a step is then none, and the lane stays unfound."""
+    out = np.zeros_like(matrices)
+    good = wanted & np.all(np.isfinite(matrices), axis=(1, 2))
+    with np.errstate(all="ignore"):
+        try:
+            out[good] = np.linalg.inv(matrices[good])
+        except np.linalg.LinAlgError:
+            out[good] = np.linalg.pinv(matrices[good])
+    return out
+
+
+def _updated(H: Array, dx: Array, dF: Array) -> Array:
+    """Broyden's update of inverses; where its divisor is too small, H as it was."""
+    Hy = np.einsum("nij,nj->ni", H, dF)
+    left = np.einsum("ni,nij->nj", dx, H)
+    divisor = np.einsum("ni,ni->n", dx, Hy)
+    usable = np.abs(divisor) > 0.05 * np.einsum("ni,ni->n", dx, dx)
+    over = np.where(usable, 1.0, 0.0) / np.where(usable, divisor, 1.0)
+    return np.asarray(H + np.einsum("ni,nj->nij", (dx - Hy) * over[:, None], left))
