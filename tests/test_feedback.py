@@ -111,7 +111,10 @@ def test_corners_and_backward(model):
     assert np.abs(run.error[-8:]).max() < 0.012
     assert np.hypot(*(run.end[:2] - (0.25, 0.2))) < 0.05
     back = follow(model, Track.circle((0, 0), 0.2), 60.0, gear="backward")
-    assert back.rms < 0.005 and np.linalg.norm(np.diff(back.mean[-9:, :2], axis=0)).sum() > 0.03
+    assert (
+        back.rms < 0.005
+        and np.linalg.norm(np.diff(back.mean[-9:, :2], axis=0), axis=1).sum() > 0.03
+    )
     with pytest.raises(rr.ParameterError, match="forward or backward"):
         follow(model, Track.eight(), 60.0, gear="left")
 
