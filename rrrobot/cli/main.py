@@ -18,6 +18,7 @@ from rrrobot.cli.continue_ import continue_command
 from rrrobot.cli.fit import fit_command
 from rrrobot.cli.follow import follow_command
 from rrrobot.cli.gait import gait_command
+from rrrobot.cli.machines import machines
 from rrrobot.cli.optimise import optimise_command
 from rrrobot.cli.orbit import orbit_command
 from rrrobot.cli.plan import plan_command
@@ -79,6 +80,7 @@ for _command in (
     follow_command,
     fit_command,
     gait_command,
+    machines,
     orbit_command,
     continue_command,
     sensitivity_command,

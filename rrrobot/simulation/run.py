@@ -20,7 +20,13 @@ from rrrobot.constraints import RollingContact
 from rrrobot.contact.ground import Ground
 from rrrobot.drive.gaits import Gait, LegMotion
 from rrrobot.drive.torques import LegTorques, MotionState
-from rrrobot.errors import GaitError, ParameterError, SimulationError, SimulationInterrupted
+from rrrobot.errors import (
+    GaitError,
+    ModelError,
+    ParameterError,
+    SimulationError,
+    SimulationInterrupted,
+)
 from rrrobot.integrate import (
     ATOL,
     RTOL,
@@ -64,7 +70,7 @@ def simulate(
     """Simulate a model whose legs follow a gait or are driven by torques.
 
     Args:
-        model: such as `FullModel(robot)`.
+        model: such as `FullModel(robot)`; or a machine's, which gives a `machines.History`.
         gait: prescribed leg motion (`Gait`), or motor torques (`LegTorques`).
         duration: [s], greater than zero.
         sample_interval: of the result [s]; the last sample is at `duration` in any case.
@@ -99,6 +105,15 @@ def simulate(
         >>> bool(t.slip.max() < 1e-12)
         True
     """
+    own = getattr(model, "machine", None)
+    if own is not None:
+        if state is not None or step is not None or method != "kkt" or progress is not None:
+            raise ModelError(
+                "a machine takes no state, step, method or progress: see its simulate."
+            )
+        if np.any(euler) or np.any(position):
+            raise ModelError("a machine's own simulate takes its pose: machine.simulate(pose=...).")
+        return own.simulated(gait, duration, sample_interval, start, rtol, atol)
     if method not in ("kkt", "momentum"):
         raise ParameterError(f"method is {method!r}: it must be 'kkt' or 'momentum'.")
     times = sample_times(duration, sample_interval)
