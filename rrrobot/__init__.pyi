@@ -4,12 +4,14 @@ from rrrobot import drive as drive
 from rrrobot import errors as errors
 from rrrobot import figures as figures
 from rrrobot import kkt as kkt
+from rrrobot import machines as machines
 from rrrobot import models as models
 from rrrobot import orbits as orbits
 from rrrobot import paper as paper
 from rrrobot import reduction as reduction
 from rrrobot import robot as robot
 from rrrobot import rotations as rotations
+from rrrobot import rows as rows
 from rrrobot import simulation as simulation
 from rrrobot import steering as steering
 from rrrobot import studies as studies

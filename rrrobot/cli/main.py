@@ -16,6 +16,7 @@ import click
 from rrrobot.cli.compare import compare_command, periods
 from rrrobot.cli.continue_ import continue_command
 from rrrobot.cli.gait import gait_command
+from rrrobot.cli.machines import machines
 from rrrobot.cli.optimise import optimise_command
 from rrrobot.cli.orbit import orbit_command
 from rrrobot.cli.reduce import reduce_command
@@ -73,6 +74,7 @@ for _command in (
     reproduce_command,
     optimise_command,
     gait_command,
+    machines,
     orbit_command,
     continue_command,
     sensitivity_command,

@@ -15,8 +15,8 @@ from numpy.typing import ArrayLike
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import Gait
 from rrrobot.drive.torques import LegTorques
-from rrrobot.errors import ParameterError, SimulationError, SimulationInterrupted
-from rrrobot.integrate import Progress, sample_times
+from rrrobot.errors import ModelError, ParameterError, SimulationError, SimulationInterrupted
+from rrrobot.integrate import ATOL, RTOL, Progress, sample_times
 from rrrobot.models.base import Model
 from rrrobot.rotations import euler_from_quaternion
 from rrrobot.simulation.evaluate import trajectory_of
@@ -48,7 +48,7 @@ def simulate(
     """Simulate a model whose legs follow a gait or are driven by torques.
 
     Args:
-        model: such as `FullModel(robot)`.
+        model: such as `FullModel(robot)`; or a machine's, which gives a `machines.History`.
         gait: prescribed leg motion (`Gait`), or motor torques (`LegTorques`).
         duration: [s], greater than zero.
         sample_interval: of the result [s]; the last sample is at `duration` in any case.
@@ -86,6 +86,22 @@ def simulate(
         >>> bool(t.slip.max() < 1e-12)
         True
     """
+    own = getattr(model, "machine", None)
+    if own is not None:
+        if (
+            state is not None
+            or events
+            or step is not None
+            or method != "kkt"
+            or progress is not None
+        ):
+            raise ModelError(
+                "a machine takes no state, step, method, events or progress: see its simulate."
+            )
+        if np.any(euler) or np.any(position):
+            raise ModelError("a machine's own simulate takes its pose: machine.simulate(pose=...).")
+        tolerances = (RTOL if rtol is None else rtol, ATOL if atol is None else atol)
+        return own.simulated(gait, duration, sample_interval, start, *tolerances)
     if method not in FLOWS:
         raise ParameterError(f"method is {method!r}: it must be 'kkt' or 'momentum'.")
     sample_times(duration, sample_interval)
