@@ -138,7 +138,7 @@ class Flow:
         """
         model, drive = self.model, self.drive
         angles = vector("euler", euler, 3, "rad", labels=("roll", "pitch", "yaw"))
-        model.require_free("euler", angles)
+        _require_free(model, "euler", angles)
         point = vector("position", position, 2, "m")
         time = finite("time", time, "s")
         pose = model.make_pose(angles, point)
@@ -332,5 +332,16 @@ def _start_velocity(
             return np.zeros(model.n_quasi)
         raise ModelError(f"start is {start!r}: it must be 'impulsive', 'rest' or Euler rates.")
     rates = vector("start", start, 3, "rad/s", labels=("roll", "pitch", "yaw"))
-    model.require_free("start", rates)
+    _require_free(model, "start", rates)
     return model.quasi_from_euler_rates(pose, rates)
+
+
+def _require_free(model: Model, name: str, values: Array) -> None:
+    """Raise ModelError where a value is not zero on an axis that a model locks."""
+    locked = [i for i in range(3) if i not in model.axes and values[i] != 0]
+    if locked:
+        names = ("roll", "pitch", "yaw")
+        raise ModelError(
+            f"{name} is {values.tolist()} (roll, pitch, yaw): the {model.name} model locks "
+            f"{', '.join(names[i] for i in locked)}, so that entry must be zero."
+        )

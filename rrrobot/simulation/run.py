@@ -16,7 +16,7 @@ from rrrobot.checks import Array
 from rrrobot.drive.gaits import Gait
 from rrrobot.drive.torques import LegTorques
 from rrrobot.errors import ModelError, ParameterError, SimulationError, SimulationInterrupted
-from rrrobot.integrate import Progress, sample_times
+from rrrobot.integrate import ATOL, RTOL, Progress, sample_times
 from rrrobot.models.base import Model
 from rrrobot.rotations import euler_from_quaternion
 from rrrobot.simulation.evaluate import trajectory_of
@@ -88,13 +88,20 @@ def simulate(
     """
     own = getattr(model, "machine", None)
     if own is not None:
-        if state is not None or step is not None or method != "kkt" or progress is not None:
+        if (
+            state is not None
+            or events
+            or step is not None
+            or method != "kkt"
+            or progress is not None
+        ):
             raise ModelError(
-                "a machine takes no state, step, method or progress: see its simulate."
+                "a machine takes no state, step, method, events or progress: see its simulate."
             )
         if np.any(euler) or np.any(position):
             raise ModelError("a machine's own simulate takes its pose: machine.simulate(pose=...).")
-        return own.simulated(gait, duration, sample_interval, start, rtol, atol)
+        tolerances = (RTOL if rtol is None else rtol, ATOL if atol is None else atol)
+        return own.simulated(gait, duration, sample_interval, start, *tolerances)
     if method not in FLOWS:
         raise ParameterError(f"method is {method!r}: it must be 'kkt' or 'momentum'.")
     sample_times(duration, sample_interval)
