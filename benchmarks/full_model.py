@@ -18,7 +18,7 @@ import numpy as np
 import pinocchio as pin
 
 import rrrobot as rr
-from rrrobot.simulation.run import versions
+from rrrobot.simulation.evaluate import versions
 
 TARGETS = {"dynamics [us]": 60.0, "gait of 30 s [s]": 1.0, "import rrrobot [s]": 0.4}
 

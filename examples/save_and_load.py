@@ -22,8 +22,8 @@ print(first, first.metadata["gait"])
 print(f"wrote {first.to_csv(out / 'run.csv')} and {first.to_mat(out / 'run.mat')}")
 print(first.to_dataset().leg_torque.attrs)
 
-# Whole cycles were simulated, so the gait begins again where it stopped.
-second = rr.simulate(model, gait, 10 * period, period / 60, state=first.state[-1])
+# The time, the phase of the gait and whole turns go on.
+second = rr.simulate(model, gait, 10 * period, period / 60, state=first.final_state)
 at_once = rr.simulate(model, gait, 20 * period, period / 60)
 gap = np.abs(second.position[-1] - at_once.position[-1]).max()
 print(f"in two parts and in one: {gap:.1e} m apart")

@@ -4,12 +4,14 @@ from rrrobot import drive as drive
 from rrrobot import errors as errors
 from rrrobot import figures as figures
 from rrrobot import kkt as kkt
+from rrrobot import machines as machines
 from rrrobot import models as models
 from rrrobot import orbits as orbits
 from rrrobot import paper as paper
 from rrrobot import reduction as reduction
 from rrrobot import robot as robot
 from rrrobot import rotations as rotations
+from rrrobot import rows as rows
 from rrrobot import simulation as simulation
 from rrrobot import steering as steering
 from rrrobot import studies as studies
@@ -55,6 +57,7 @@ from rrrobot.errors import RRRobotError as RRRobotError
 from rrrobot.errors import ShellError as ShellError
 from rrrobot.errors import SimulationError as SimulationError
 from rrrobot.errors import SimulationInterrupted as SimulationInterrupted
+from rrrobot.errors import SlowWarning as SlowWarning
 from rrrobot.errors import SweepInterrupted as SweepInterrupted
 from rrrobot.errors import UrdfError as UrdfError
 from rrrobot.errors import UrdfWarning as UrdfWarning
@@ -67,6 +70,7 @@ from rrrobot.models.single_axis import RollModel as RollModel
 from rrrobot.models.single_axis import YawModel as YawModel
 from rrrobot.orbits.limit_cycles import LimitCycle as LimitCycle
 from rrrobot.orbits.limit_cycles import limit_cycle as limit_cycle
+from rrrobot.orbits.linear import linearise as linearise
 from rrrobot.orbits.oscillations import modes as modes
 from rrrobot.robot.parameters import RRRobotParameters as RRRobotParameters
 from rrrobot.robot.robot import Robot as Robot

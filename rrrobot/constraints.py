@@ -144,6 +144,7 @@ class RollingContact(Constraint):
         normal = ground.fixed_normal
         fixed = None if normal is None else surface.fixed_arm(normal)
         self._fixed_arm = None if fixed is None else skew(fixed)
+        self._ball = None if fixed is None else (normal, fixed)
 
     @classmethod
     def of(cls, robot: Any, ground: Ground | None = None) -> RollingContact:
@@ -179,6 +180,9 @@ class RollingContact(Constraint):
     def height(self, data: pin.Data) -> float:
         """Height of the shell's lowest point over the ground [m], after `evaluate`; zero on it."""
         placement = data.oMf[self.frame_id]
+        if self._ball is not None:
+            normal, arm = self._ball
+            return float(normal @ (placement.translation + arm))
         contact = self._found(placement)
         return float(contact.normal @ (placement.translation + contact.arm - contact.point))
 

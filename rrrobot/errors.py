@@ -138,6 +138,10 @@ class GroundClearanceWarning(UserWarning):
     """A leg can touch the ground, which no model here takes into account."""
 
 
+class SlowWarning(UserWarning):
+    """A run takes long; the message says how many steps and why."""
+
+
 class UrdfWarning(UserWarning):
     """A robot's file says what no body can have, or what no model here takes into account."""
 

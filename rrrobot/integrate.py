@@ -27,6 +27,8 @@ robot that rocks or tumbles freely to 1e-9 of itself over half a minute."""
 
 SHORTEST_STEP = 1e-9
 """Step below which the integrator gives up [s]."""
+_SAME_TIME = 1e-9
+"""Part of a step within which two times are the same."""
 
 
 class Observer(Protocol):
@@ -39,21 +41,46 @@ class Observer(Protocol):
         """The state at the end of a step; a reason to stop, or None."""
 
 
+class Jumps(Protocol):
+    """Instants at which the right-hand side, or the state, changes at once."""
+
+    def next(self, time: float) -> float:
+        """The first instant later than a time [s]; infinite if there is none."""
+
+    def jump(self, time: float, y: Array) -> Array:
+        """The state (ny,) after the instant."""
+
+
+Dense = Callable[[Array], Array]
+"""States (n, ny) within a step at times (n,) [s]."""
+
+
+class Watch(Protocol):
+    """Looks for events within each step."""
+
+    def step(self, start: float, end: float, dense: Dense) -> float | None:
+        """Called after each step; the time [s] at which the integration ends, or None."""
+
+
 class Integration(NamedTuple):
     """Samples of a solution, complete unless `stop` says why not."""
 
+    times: Array
+    """that were reached (n,) [s]; where an event ended the integration, the last is its time"""
     states: Array
-    """(n, ny), n the number of times that were reached"""
+    """(n, ny)"""
     time: float
     """where the integrator stood at the end [s]"""
     state: Array
     """and its state there (ny,)"""
     evaluations: int
     """of the right-hand side"""
-    stop: str | None
+    stop: str | None = None
     """why it stopped early"""
-    interrupted: bool
+    interrupted: bool = False
     """whether that was Ctrl-C"""
+    ended: bool = False
+    """whether an event ended it"""
 
 
 class Stepping(NamedTuple):
@@ -90,63 +117,149 @@ def integrate(
     stepping: Stepping,
     *,
     observer: Observer | None = None,
+    jumps: Jumps | None = None,
+    watch: Watch | None = None,
     progress: Progress | None = None,
 ) -> Integration:
     """Integrate dy/dt = rate(t, y) from times[0] to times[-1].
 
-    Stops, and says why, when the observer asks, when a value is not finite, when `rate` raises a
-    GaitError or ConstraintError, and on Ctrl-C; the samples up to then are returned.
+    Fixed steps end at the whole multiples of the step, so a run that is cut in two at one of them
+    takes the same steps. No step goes over an instant of `jumps`; a sample at the instant is the
+    state after it. Stops, and says why, when the observer asks, when a value is not finite, when
+    `rate` raises a GaitError or ConstraintError, and on Ctrl-C; the samples up to then are
+    returned.
     """
-    from scipy.integrate import DOP853
-
-    stepping = stepping.checked()
-    start, end = float(times[0]), float(times[-1])
-    states = np.empty((times.size, y0.size))
-    states[0] = y0
-    if observer is not None:
-        observer.sampled(0, states[:1])
-    filled, now, y, evaluations = 1, start, y0, 0
+    run = _Run(rate, y0, times, stepping.checked(), observer, jumps, watch, progress)
     stop, interrupted = None, False
     try:
-        if stepping.step is not None:
-            # An infinite tolerance accepts every step and so keeps the length fixed.
-            first = min(stepping.step, end - start)
-            solver = DOP853(
-                rate, start, y0, end, stepping.step, 1.0, 1e300, first_step=first
-            )  # fmt: skip
-        else:
-            solver = DOP853(rate, start, y0, end, stepping.max_step, stepping.rtol, stepping.atol)
-        while stop is None and now < end:
-            failure = solver.step()
-            evaluations = solver.nfev
-            if failure is not None or not np.all(np.isfinite(solver.y)):
-                stop = f"the integrator failed: {failure or 'the state is not finite'}".rstrip(".")
-                break
-            if solver.step_size is not None and solver.step_size < SHORTEST_STEP < end - now:
-                stop = f"the step fell to {solver.step_size:.3g} s: the motion is too fast"
-                break
-            now, y = float(solver.t), solver.y
-            reached = int(np.searchsorted(times, now, side="right"))
-            if reached > filled:
-                states[filled:reached] = solver.dense_output()(times[filled:reached]).T
-                if observer is not None:
-                    observer.sampled(filled, states[filled:reached])
-                filled = reached
-            if observer is not None:
-                stop = observer.stepped(y)
-            if progress is not None:
-                progress(now)
+        run.begin()
+        while stop is None and run.now < run.end:
+            stop = run.step()
     except KeyboardInterrupt:
         stop, interrupted = "the simulation was interrupted", True
     except (ConstraintError, GaitError) as error:
         stop = str(error).rstrip(".")
     except (ArithmeticError, np.linalg.LinAlgError) as error:
         stop = f"the state ran away within a step ({error}): take a shorter one"
-    return Integration(states[:filled], now, y, evaluations, stop, interrupted)
+    return run.result(stop, interrupted)
 
 
-def sample_times(duration: float, interval: float) -> Array:
-    """0, interval, 2 interval, ..., duration [s]; both ends, the last interval may be shorter.
+class _Run:
+    """One integration on its way."""
+
+    def __init__(
+        self,
+        rate: Callable[[float, Array], Array],
+        y0: Array,
+        times: Array,
+        stepping: Stepping,
+        observer: Observer | None,
+        jumps: Jumps | None,
+        watch: Watch | None,
+        progress: Progress | None,
+    ) -> None:
+        self.rate, self.times, self.stepping = rate, times, stepping
+        self.observer, self.jumps, self.watch, self.progress = observer, jumps, watch, progress
+        self.now, self.end, self.y = float(times[0]), float(times[-1]), y0
+        self.states = np.empty((times.size, y0.size))
+        self.filled = 0
+        self.ended = False
+        self.solver: Any = None
+        self._fill(self.now, lambda t: np.tile(y0, (t.size, 1)))
+
+    def begin(self) -> None:
+        from scipy.integrate import DOP853
+
+        fixed, start, end = self.stepping, self.now, self.end
+        if fixed.step is not None:
+            # An infinite tolerance accepts every step and so keeps the length fixed.
+            self.solver = DOP853(
+                self.rate, start, self.y, end, rtol=1.0, atol=1e300, first_step=end - start
+            )
+        else:
+            self.solver = DOP853(
+                self.rate, start, self.y, end, fixed.max_step, fixed.rtol, fixed.atol
+            )
+
+    def step(self) -> str | None:
+        """One step, its samples and events; a reason to stop, or None."""
+        solver, start = self.solver, self.now
+        jump = self.jumps.next(start) if self.jumps is not None else np.inf
+        bound = min(jump, self.end)
+        usual = solver.h_abs
+        if self.stepping.step is not None:
+            bound = _node(start, bound, self.stepping.step)
+            usual = solver.h_abs = 2.0 * (bound - start)
+        solver.t_bound, solver.status = bound, "running"
+        failure = solver.step()
+        if failure is not None or not np.all(np.isfinite(solver.y)):
+            return f"the integrator failed: {failure or 'the state is not finite'}".rstrip(".")
+        if solver.step_size < SHORTEST_STEP < bound - start:
+            return f"the step fell to {solver.step_size:.3g} s: the motion is too fast"
+        self.now, self.y = float(solver.t), solver.y
+        dense: list[Any] = []
+
+        def inside(times: Array) -> Array:
+            if not dense:
+                dense.append(solver.dense_output())
+            return np.asarray(dense[0](times)).T
+
+        found = None if self.watch is None else self.watch.step(start, self.now, inside)
+        if found is not None:
+            self._end(found, inside)
+            return None
+        lands = self.now == jump
+        self._fill(self.now - (_SAME_TIME * (self.now - start) if lands else 0.0), inside)
+        if lands and self.jumps is not None:
+            self.y = solver.y = self.jumps.jump(self.now, self.y)
+            solver.f = solver.fun(solver.t, solver.y)
+            # The step before was cut short at the instant; the next need not be as short.
+            solver.h_abs = max(solver.h_abs, usual)
+            after = self.now + _SAME_TIME * (self.now - start)
+            self._fill(after, lambda t: np.tile(self.y, (t.size, 1)))
+        stop = self.observer.stepped(self.y) if self.observer is not None else None
+        if self.progress is not None:
+            self.progress(self.now)
+        return stop
+
+    def _fill(self, until: float, values: Dense) -> None:
+        """Samples up to a time."""
+        reached = int(np.searchsorted(self.times, until, side="right"))
+        if reached > self.filled:
+            self.states[self.filled : reached] = values(self.times[self.filled : reached])
+            if self.observer is not None:
+                self.observer.sampled(self.filled, self.states[self.filled : reached])
+            self.filled = reached
+
+    def _end(self, time: float, inside: Dense) -> None:
+        """Samples up to an event, and one at it."""
+        n = int(np.searchsorted(self.times, time, side="left"))
+        self.times = np.append(self.times[:n], time)
+        self.states = self.states[: n + 1]
+        self._fill(time, inside)
+        self.now, self.y = time, self.states[n].copy()
+        self.end, self.ended = time, True
+
+    def result(self, stop: str | None, interrupted: bool) -> Integration:
+        n = self.filled
+        evaluations = 0 if self.solver is None else self.solver.nfev
+        return Integration(
+            self.times[:n], self.states[:n], self.now, self.y, evaluations, stop, interrupted,
+            self.ended,
+        )  # fmt: skip
+
+
+def _node(start: float, bound: float, step: float) -> float:
+    """End of a fixed step: the next whole multiple of `step`, or `bound` if that comes first."""
+    node = step * (np.floor(start / step + _SAME_TIME) + 1)
+    return bound if node > bound - _SAME_TIME * step else float(node)
+
+
+def sample_times(duration: float, interval: float, start: float = 0.0) -> Array:
+    """start, start + interval, ..., start + duration [s]; both ends, the last may be nearer.
+
+    A start at a whole multiple of the interval gives multiples of it to the last bit, so that a
+    run that is continued has the times of one that was not cut.
 
     Raises:
         ParameterError: a number out of range, or more than 5e7 samples.
@@ -159,8 +272,12 @@ def sample_times(duration: float, interval: float) -> Array:
             f"sample_interval is {interval} s for a duration of {duration} s: that is "
             f"{whole:.3g} samples; the limit is 5e7."
         )
-    times: Array = interval * np.arange(int(whole + 1e-9) + 1, dtype=float)
-    if duration - times[-1] > 1e-9 * interval:
-        return np.append(times, duration)
-    times[-1] = duration
+    before = round(start / interval)
+    aligned = abs(start / interval - before) < 1e-9
+    count = np.arange(int(whole + 1e-9) + 1, dtype=float)
+    times: Array = interval * (count + before) if aligned else start + interval * count
+    times[0], end = start, start + duration
+    if end - times[-1] > 1e-9 * interval:
+        return np.append(times, end)
+    times[-1] = end
     return times

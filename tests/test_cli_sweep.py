@@ -21,8 +21,8 @@ from rrrobot.cli.main import cli
 from rrrobot.cli.sweep import sweep_command
 from rrrobot.cli.sweep_grids import parse_grid
 from rrrobot.cli.sweep_report import draw_paper
+from rrrobot.models.recombined import DecoupledModels
 from rrrobot.studies.sweeps.run import sweep
-from rrrobot.studies.sweeps.variants import DecoupledModels
 
 pytestmark = pytest.mark.usefixtures("compiled_engine")
 

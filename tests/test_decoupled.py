@@ -11,7 +11,6 @@ from scipy.interpolate import make_interp_spline
 
 import rrrobot as rr
 from rrrobot.rotations import body_rates_matrix, body_rates_matrix_rate
-from rrrobot.simulation.recombined import _recombine
 from tests.twins import UNEQUAL, Array, library_robot
 
 PERIOD = 2 * np.pi / 8.0
@@ -95,29 +94,20 @@ def test_inverse_dynamics_of_a_full_motion_find_its_forces(
 ) -> None:
     """Given the full model's motion, `decoupled`'s forces are the full model's, in balance."""
     model = rr.FullModel(robot)
-    states, angular = [], []
+    decoupled = rr.models.DecoupledModels(robot)
     for i, y in enumerate(rolled.state):
         pose, omega, _ = model.split(y)
         legs = GAIT(rolled.time[i])
         alpha = model.quasi_acceleration(model.dynamics(pose, omega, legs).acceleration)
         euler, rates = rolled.euler[i], rolled.euler_rates[i]
         B, B_rate = body_rates_matrix(*euler[:2]), body_rates_matrix_rate(euler, rates)
-        angular.append(np.linalg.solve(B, alpha - B_rate @ rates))
-        states.append(np.concatenate([euler, rates, rolled.position[i]]))
-    again = _recombine(
-        robot,
-        rolled.ground,
-        rolled.time,
-        np.array(states),
-        np.array(angular),
-        GAIT(rolled.time),
-        {"model": {}},
-    )
-    assert np.abs(again.contact_force - rolled.contact_force).max() < 1e-11
-    assert np.abs(again.leg_torque - rolled.leg_torque).max() < 1e-12
-    assert np.abs(again.energy - rolled.energy).max() < 1e-13
-    assert again.metadata["unbalanced_moment"] < 1e-12
-    assert np.abs(again.velocity - rolled.velocity).max() < 1e-12
+        place = decoupled.place(decoupled.make_pose(euler, rolled.position[i]))
+        again = decoupled.inverse(place, rates, np.linalg.solve(B, alpha - B_rate @ rates), legs)
+        assert np.abs(again.contact_force - rolled.contact_force[i]).max() < 1e-11
+        assert np.abs(again.leg_torque - rolled.leg_torque[i]).max() < 1e-12
+        assert abs(sum(decoupled.energy(again.q, again.v)) - rolled.energy[i]) < 1e-13
+        assert np.abs(again.forces["unbalanced"]).max() < 1e-12
+        assert np.abs(again.v - rolled.velocity[i]).max() < 1e-12
 
 
 def test_a_decoupled_motion_is_out_of_balance(recombined: rr.Trajectory) -> None:

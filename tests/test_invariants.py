@@ -227,7 +227,7 @@ def test_continuation_from_the_last_state(robot):
     model, gait = rr.FullModel(robot), rr.gait("lateral")
     whole = rr.simulate(model, gait, 4 * gait.period, gait.period / 80)
     half = rr.simulate(model, gait, 2 * gait.period, gait.period / 80)
-    rest = rr.simulate(model, gait, 2 * gait.period, gait.period / 80, state=half.state[-1])
+    rest = rr.simulate(model, gait, 2 * gait.period, gait.period / 80, state=half.final_state)
     np.testing.assert_allclose(rest.state[-1], whole.state[-1], atol=1e-9)
 
 

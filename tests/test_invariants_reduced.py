@@ -136,7 +136,7 @@ def test_a_state_continues_a_simulation(kind: Any) -> None:
     start = np.array([1.0, 0.5, 2.0]) * [i in model.axes for i in range(3)]
     whole = rr.simulate(model, legs, 1.0, start=start, position=(0.5, 0.5))
     first = rr.simulate(model, legs, 0.4, start=start, position=(0.5, 0.5))
-    second = rr.simulate(model, legs, 0.6, state=first.state[-1])
+    second = rr.simulate(model, legs, 0.6, state=first.final_state)
     assert np.ptp(whole.euler[:, model.axes[0]]) > 0.1
     assert np.abs(second.state - whole.state[40:]).max() < 1e-8
     assert np.abs(second.position - whole.position[40:]).max() < 1e-9

@@ -165,7 +165,7 @@ def test_trajectory_screw_and_centre():
 
 
 def test_decoupled_is_the_three_models_together():
-    models, gait = rr.studies.DecoupledModels(ROBOT), rr.gait("circular")
+    models, gait = rr.models.DecoupledModels(ROBOT), rr.gait("circular")
     c = limit_cycle(models, gait)
     s = rr.decoupled(ROBOT, gait, 40.0, 0.01).steady_state(start=30.0)
     assert c.speed == pytest.approx(s.speed, rel=1e-7)

@@ -225,8 +225,7 @@ def loads_of_a_trajectory(model, gait, cycles):
     n = 2000
     step = gait.period / 80
     t = rr.simulate(model, gait, cycles * gait.period, gait.period / 20, step=step)
-    start = t.state[-21]
-    # The gait begins anew with each cycle.
+    start = t.state_at(-21)
     last = rr.simulate(model, gait, gait.period, gait.period / n, state=start, step=step)
     torque, rate = last.leg_torque[:-1], last.leg_rate[:-1]
     found = {

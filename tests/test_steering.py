@@ -160,3 +160,56 @@ def test_what_is_refused(model):
         rr.plan(rr.FullModel(model.robot, damping=None), (0.1, 0, 0))
     with pytest.raises(rr.ParameterError, match="goal"):
         rr.plan(model, (0.1, np.nan, 0))
+
+
+def test_a_plan_comes_back_from_its_file(model, tmp_path):
+    wall = Polygon([(0.3, -0.1), (0.4, -0.1), (0.4, 0.3)])
+    p = rr.plan(model, (0.05, -0.1, 0.3), obstacles=[Disc((-0.4, 0.0), 0.1), wall], margin=0.05)
+    again = rr.Plan.load(p.save(tmp_path / "p.json"))
+    assert again.to_dict() == p.to_dict()
+    np.testing.assert_array_equal(again.path, p.path)
+    one, two = (x.execute(method="momentum", sample_interval=1.0) for x in (p, again))
+    np.testing.assert_array_equal(one.position, two.position)
+    # Every command takes it as a gait.
+    gait = rr.read_gait(tmp_path / "p.json")
+    np.testing.assert_array_equal(gait(np.arange(9.0)).angle, p.gait(np.arange(9.0)).angle)
+    (tmp_path / "bad.json").write_text('{"format": "rrrobot plan 1"}')
+    with pytest.raises(rr.OutputError, match="not a plan"):
+        rr.Plan.load(tmp_path / "bad.json")
+    with pytest.raises(rr.OutputError, match=r"\.json"):
+        p.save(tmp_path / "p.txt")
+
+
+def test_a_plans_picture(model):
+    wall = Polygon([(0.3, -0.1), (0.4, -0.1), (0.4, 0.3)])
+    p = rr.plan(model, (0.05, -0.1, 0.3), obstacles=[wall], margin=0.05)
+    ax = p.plot()
+    lines = {drawn.get_label(): drawn.get_xydata() for drawn in ax.get_lines()}
+    np.testing.assert_array_equal(lines["coarse plan"], p.path[:, :2])
+    np.testing.assert_allclose(lines["contact point"][-1], p.goal[:2], atol=PLACE)
+    np.testing.assert_allclose(lines["goal"], p.goal[None, :2])
+    np.testing.assert_allclose(lines["mean of a cycle"][-1], p.goal[:2], atol=PLACE)
+
+
+def test_the_plan_command(home, tmp_path):
+    import json
+
+    from click.testing import CliRunner
+
+    from rrrobot.cli.main import cli
+
+    files = [tmp_path / name for name in ("p.json", "p.csv", "p.png", "p.html")]
+    args = ["plan", "--goal", "-0.05,0.1,pi/8", "--disc", "0.4,0,0.1", "--margin", "0.05",
+            "--polygon", "0.3,0.3 0.4,0.3 0.4,0.5", "--quiet"]  # fmt: skip
+    for flag, target in zip(("--save", "--csv", "--plot", "--html"), files, strict=True):
+        args += [flag, str(target)]
+    result = CliRunner().invoke(cli, args)
+    assert result.exit_code == 0, result.output
+    assert "legs move" in result.output and all(file.stat().st_size > 500 for file in files)
+    again = rr.Plan.load(files[0])
+    assert [type(o).__name__ for o in again.obstacles] == ["Disc", "Polygon"]
+    shown = CliRunner().invoke(cli, [*args[:7], "--quiet", "--json"])
+    data = json.loads(shown.stdout)
+    assert np.hypot(*data["error"][:2]) < PLACE and data["goal"][2] == pytest.approx(np.pi / 8)
+    for bad in (["--goal", "1,2"], ["--goal", "0,0,0", "--polygon", "1,2 3,4"], []):
+        assert CliRunner().invoke(cli, ["plan", *bad]).exit_code == 2

@@ -18,10 +18,11 @@ from hypothesis import strategies as st
 
 import rrrobot as rr
 from rrrobot.errors import SweepInterrupted
+from rrrobot.models.recombined import DecoupledModels
 from rrrobot.studies.sweeps import variants as sweep_models
 from rrrobot.studies.sweeps.run import sweep
 from rrrobot.studies.sweeps.store import LOADS, STATUS, VARIABLES
-from rrrobot.studies.sweeps.variants import DecoupledModels, clearance
+from rrrobot.studies.sweeps.variants import clearance
 from tests.random_robot import random_robot
 
 sweep_module = import_module("rrrobot.studies.sweeps.run")

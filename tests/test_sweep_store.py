@@ -20,11 +20,11 @@ import xarray as xr
 
 import rrrobot as rr
 from rrrobot.errors import SweepInterrupted
+from rrrobot.models.recombined import DecoupledModels
 from rrrobot.studies.sweeps import store as sweep_store
 from rrrobot.studies.sweeps import variants as sweep_models
 from rrrobot.studies.sweeps.run import sweep
 from rrrobot.studies.sweeps.store import NOT_COMPUTED, curvature, pending
-from rrrobot.studies.sweeps.variants import DecoupledModels
 
 sweep_module = import_module("rrrobot.studies.sweeps.run")
 """`rr.sweep` is the function."""

@@ -92,7 +92,7 @@ def test_a_torque_that_is_not_finite_mid_run(model, feedback, bad):
     assert isinstance(error, RuntimeError)
     assert 0.2 < error.time <= 0.3 + 1e-9
     assert f"{error.time:.6g}" in str(error)
-    assert np.shape(error.state) == (13,)
+    assert error.state.vector.shape == (13,)
     assert error.trajectory is not None
     assert error.trajectory.time[-1] <= error.time
     assert error.trajectory.time[-1] > error.time - 0.011

@@ -55,7 +55,7 @@ def test_loaded_trajectory_can_be_continued(simulated, saved):
     loaded = rr.Trajectory.load(saved)
     gait = rr.gait("circular")
     runs = [
-        rr.simulate(rr.FullModel(t.robot, ground=t.ground), gait, duration=0.2, state=t.state[-1])
+        rr.simulate(rr.FullModel(t.robot, ground=t.ground), gait, duration=0.2, state=t.final_state)
         for t in (simulated, loaded)
     ]
     np.testing.assert_array_equal(runs[0].state, runs[1].state)

@@ -15,9 +15,13 @@ import click
 
 from rrrobot.cli.compare import compare_command, periods
 from rrrobot.cli.continue_ import continue_command
+from rrrobot.cli.fit import fit_command
+from rrrobot.cli.follow import follow_command
 from rrrobot.cli.gait import gait_command
+from rrrobot.cli.machines import machines
 from rrrobot.cli.optimise import optimise_command
 from rrrobot.cli.orbit import orbit_command
+from rrrobot.cli.plan import plan_command
 from rrrobot.cli.reduce import reduce_command
 from rrrobot.cli.reproduce import reproduce_command
 from rrrobot.cli.sensitivity import sensitivity_command
@@ -72,7 +76,11 @@ for _command in (
     reduce_command,
     reproduce_command,
     optimise_command,
+    plan_command,
+    follow_command,
+    fit_command,
     gait_command,
+    machines,
     orbit_command,
     continue_command,
     sensitivity_command,

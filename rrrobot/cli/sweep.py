@@ -24,9 +24,10 @@ from rrrobot.cli.report import tell
 from rrrobot.cli.sweep_grids import GridOptions
 from rrrobot.cli.sweep_report import draw, draw_paper, folder_of, summary, table, write_figures
 from rrrobot.errors import ParameterError
+from rrrobot.models.base import Model
+from rrrobot.models.recombined import DecoupledModels
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.studies.sweeps.run import sweep as run_sweep
-from rrrobot.studies.sweeps.variants import DecoupledModels, Swept
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -152,7 +153,7 @@ def sweep_command(
     tell(data, table(data), files, as_json=output.as_json)
 
 
-def _model(name: str, parts: Parts) -> Swept:
+def _model(name: str, parts: Parts) -> Model:
     if name != DECOUPLED:
         return parts.model(MODELS[name])
     return DecoupledModels(

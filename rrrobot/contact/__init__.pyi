@@ -1,6 +1,7 @@
 from rrrobot.contact.boulder import Boulder as Boulder
 from rrrobot.contact.convexity import check_convex as check_convex
 from rrrobot.contact.convexity import radii_range as radii_range
+from rrrobot.contact.discs import Torus as Torus
 from rrrobot.contact.graph import Graph as Graph
 from rrrobot.contact.ground import Ground as Ground
 from rrrobot.contact.ground import Plane as Plane

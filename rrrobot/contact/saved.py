@@ -6,12 +6,13 @@ from typing import Any
 
 from rrrobot import serial
 from rrrobot.contact.boulder import Boulder
+from rrrobot.contact.discs import Torus
 from rrrobot.contact.graph import Graph
 from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.shells import EllipsoidSum, FlatBelly
 from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
 
-REGISTERED = (Sphere, Ellipsoid, EllipsoidSum, FlatBelly, Plane, Boulder, Graph)
+REGISTERED = (Sphere, Ellipsoid, EllipsoidSum, FlatBelly, Torus, Plane, Boulder, Graph)
 """What loads with this module."""
 
 

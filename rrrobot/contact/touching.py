@@ -76,6 +76,12 @@ def touch_near(surface: Surface, ground: Ground, rotation: Array, origin: Array)
         point = _foot(ground, normal)
         inward = point - origin
         return Contact(point, normal, inward - (inward @ normal) * normal)
+    if ground.fixed_normal is not None:
+        # A plane through the world's origin: no search.
+        normal = ground.fixed_normal
+        arm = surface.arm(rotation, normal)
+        inward = origin + arm
+        return Contact(inward - (inward @ normal) * normal, normal, arm)
     coordinates = ground.coordinates(origin)
     for _ in range(_ITERATIONS):
         point, normal, arm = touch(surface, ground, rotation, coordinates)

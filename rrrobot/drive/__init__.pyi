@@ -1,3 +1,7 @@
+from rrrobot.drive.controllers import PID as PID
+from rrrobot.drive.controllers import Delayed as Delayed
+from rrrobot.drive.controllers import RandomTorques as RandomTorques
+from rrrobot.drive.controllers import SumOfLaws as SumOfLaws
 from rrrobot.drive.damping import BodyRateDamping as BodyRateDamping
 from rrrobot.drive.damping import Damping as Damping
 from rrrobot.drive.damping import EulerRateDamping as EulerRateDamping
@@ -10,6 +14,10 @@ from rrrobot.drive.gaits import RampIn as RampIn
 from rrrobot.drive.gaits import SinusoidalGait as SinusoidalGait
 from rrrobot.drive.gaits import StillLegs as StillLegs
 from rrrobot.drive.gaits import gait as gait
+from rrrobot.drive.laws import Clock as Clock
+from rrrobot.drive.laws import Memory as Memory
+from rrrobot.drive.laws import MotionState as MotionState
+from rrrobot.drive.laws import TorqueLaw as TorqueLaw
 from rrrobot.drive.moves import LegMoves as LegMoves
 from rrrobot.drive.moves import one_leg_gait as one_leg_gait
 from rrrobot.drive.moves import out_of_phase_gait as out_of_phase_gait
@@ -23,4 +31,3 @@ from rrrobot.drive.tables import gait_table as gait_table
 from rrrobot.drive.tables import read_gait as read_gait
 from rrrobot.drive.tables import write_gait as write_gait
 from rrrobot.drive.torques import LegTorques as LegTorques
-from rrrobot.drive.torques import MotionState as MotionState

@@ -9,10 +9,12 @@ from rrrobot import serial
 from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
+from rrrobot.models.recombined import DecoupledModels
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.robot.robot import Robot
 
 __all__ = [
+    "DecoupledModels",
     "FullModel",
     "Model",
     "PitchModel",

@@ -23,7 +23,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rrrobot.checks import Array, vector
+from rrrobot.checks import Array
 from rrrobot.constraints import Constraint, Instant, PrescribedJoints, RollingContact
 from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.saved import ground_from_dict
@@ -38,10 +38,11 @@ from rrrobot.drive.gaits import LegMotion
 from rrrobot.errors import ConstraintError, GaitError, ModelError, ParameterError
 from rrrobot.inline import shows
 from rrrobot.integrate import MAX_STEP
-from rrrobot.kkt import kkt_build, kkt_solve
+from rrrobot.kkt import ConstraintRows, kkt_build, kkt_solve
 from rrrobot.models.terms import Dynamics, Equations, Placement
 from rrrobot.robot.joints import JointIndex, coriolis_matrix, energy, joint_inertia
 from rrrobot.robot.robot import Robot
+from rrrobot.rotations import continuous_euler, euler_from_quaternion
 
 VERTICAL_PITCH = np.deg2rad(89.5)
 """Pitch at which a model stops that is singular at 90 degrees [rad]."""
@@ -101,6 +102,9 @@ class Model(ABC):
         self._prescribed = PrescribedJoints(self.legs.v, pin_model.nv)
         self._neutral = pin.neutral(pin_model)
         self._still = np.zeros(pin_model.nv)
+        self._lossy = robot.joints.lossy
+        contact = self.rolling
+        self._whole_contact = contact.name if contact is not None and contact.is_whole else None
 
     def _own_damping(self) -> Damping:
         k = 0.0 if self.robot.parameters is None else self.robot.parameters.damping
@@ -196,37 +200,56 @@ class Model(ABC):
         if (leg_torque is None) == (leg is None):
             raise ModelError("give either leg (prescribed) or leg_torque with leg_angle, leg_rate.")
         angle, rate = (leg.angle, leg.rate) if leg is not None else (leg_angle, leg_rate)
-        place = self._place(pose)
-        q = self.configuration(place, angle)  # type: ignore[arg-type]
-        v = self.velocity(place, quasi, rate)  # type: ignore[arg-type]
+        motion = leg or LegMotion(angle, rate, self._still)  # type: ignore[arg-type]
+        acceleration, multipliers, rows, q, v = self._solved(
+            self._place(pose), quasi, motion, leg_torque, time
+        )
+        forces: dict[str, Array] = {}
+        first = 0
+        for constraint, row in rows:
+            last = first + row.drift.size
+            forces[constraint.name] = constraint.force(multipliers[first:last])
+            first = last
+        if self._whole_contact is not None:
+            force = forces[self._whole_contact]
+        else:
+            force = self.support_force(q, v, acceleration)
+        torque = forces[self._prescribed.name] if leg_torque is None else leg_torque
+        return Dynamics(acceleration, force, torque, q, v, forces)
+
+    def _solved(
+        self, place: Placement, quasi: Array, leg: LegMotion, torque: Array | None, time: float
+    ) -> tuple[Array, Array, list[tuple[Constraint, ConstraintRows]], Array, Array]:
+        """Acceleration, multipliers, constraints with rows, q, v; without torques of given legs."""
+        q, v = self.configuration(place, leg.angle), self.velocity(place, quasi, leg.rate)
         mass = joint_inertia(self.model, self.data, q)
         bias = pin.nonLinearEffects(self.model, self.data, q, v)
         tau = np.zeros(self.model.nv)
         tau[: len(place.basis)] = self.damping_force(place, quasi)
         if self.damping.leg_coefficient:
             tau[self.legs.v] -= self.damping.leg_coefficient * v[self.legs.v]
-        if self.robot.joints.lossy:
+        if self._lossy:
             tau[self.legs.v] -= self.robot.joints.loss(v[self.legs.v])
-        if leg_torque is not None:
-            tau[self.legs.v] += leg_torque
-        imposed = self.constraints if leg is None else (*self.constraints, self._prescribed)
+        imposed = (*self.constraints, self._prescribed)
+        if torque is not None:
+            tau[self.legs.v] += torque
+            imposed = self.constraints
         if self.constraints:
             pin.forwardKinematics(self.model, self.data, q, v, self._still)
-        at = Instant(self.data, q, v, time, leg, place.contact)
+        at = Instant(self.data, q, v, time, leg if torque is None else None, place.contact)
         rows = [constraint.rows(at) for constraint in imposed]
-        acceleration, multipliers = kkt_solve(kkt_build(mass, bias, tau, *rows))
-        forces: dict[str, Array] = {}
-        first = 0
-        for constraint, row in zip(imposed, rows, strict=True):
-            last = first + row.drift.size
-            forces[constraint.name] = constraint.force(multipliers[first:last])
-            first = last
-        if (contact := self.rolling) is not None and contact.is_whole:
-            force = forces[contact.name]
-        else:
-            force = self.support_force(q, v, acceleration)
-        torque = forces[self._prescribed.name] if leg_torque is None else leg_torque
-        return Dynamics(acceleration, force, torque, q, v, forces)
+        solution = kkt_solve(kkt_build(mass, bias, tau, *rows))
+        return *solution, list(zip(imposed, rows, strict=True)), q, v
+
+    def quasi_rate(
+        self, place: Placement, quasi: Array, leg: LegMotion, time: float = 0.0
+    ) -> Array:
+        """Rates of the quasi-velocities (n_quasi,) under prescribed legs."""
+        return self.quasi_acceleration(self._solved(place, quasi, leg, None, time)[0])
+
+    def turned(self, poses: Array, now: Array) -> Array:
+        """Roll, pitch, yaw (n, 3) [rad] of poses (n, n_pose), without jumps from `now` (3,) on."""
+        return continuous_euler(euler_from_quaternion(self.quaternions(poses)), now)
 
     def equations(self, q: Array, v: Array) -> Equations:
         """M, C and G at Pinocchio's q (nq,) and v (nv,): the left side of eqs (1), (6) and (11).
@@ -294,33 +317,10 @@ class Model(ABC):
                 f"{self.n_legs}: {', '.join(self.robot.legs) or 'none'}. Give one entry for each."
             )
 
-    def start_velocity(
-        self, start: str | ArrayLike, pose: Array, leg_angle: Array, leg_rate: Array
-    ) -> Array:
-        """Quasi-velocities of a start: "impulsive", "rest", or Euler rates (3,) [rad/s]."""
-        if isinstance(start, str):
-            if start == "impulsive":
-                return self.impulsive_start(pose, leg_angle, leg_rate)
-            if start == "rest":
-                return np.zeros(self.n_quasi)
-            raise ModelError(f"start is {start!r}: it must be 'impulsive', 'rest' or Euler rates.")
-        rates = vector("start", start, 3, "rad/s", labels=("roll", "pitch", "yaw"))
-        self.require_free("start", rates)
-        return self.quasi_from_euler_rates(pose, rates)
-
     @property
     def singular_at_vertical(self) -> bool:
         """Whether the equations are singular at a pitch of +-90 degrees."""
         return self.damping.singular_at_vertical
-
-    def require_free(self, name: str, values: Array) -> None:
-        """Raise ModelError where a value is not zero on an axis that this model locks."""
-        locked = [i for i in range(3) if i not in self.axes and values[i] != 0]
-        if locked:
-            raise ModelError(
-                f"{name} is {values.tolist()} (roll, pitch, yaw): the {self.name} model locks "
-                f"{', '.join(('roll', 'pitch', 'yaw')[i] for i in locked)}: zero is needed there."
-            )
 
     def remade(self, robot: Robot) -> Model:
         """The same model of another robot."""

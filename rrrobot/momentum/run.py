@@ -30,8 +30,12 @@ def run(
     *,
     observer: Observer,
     progress: Progress | None = None,
-) -> Integration:
+    lane: Array | None = None,
+) -> tuple[Integration, Array | None]:
     """Integrate a model's state by its contact momentum; the result is that of `integrate`.
+
+    With it comes the engine's own state at the end, None after an early stop. As `lane` it lets
+    another run go on to the last bit.
 
     Every sample interval is divided into equal steps of DOP853, none longer than `longest` [s].
 
@@ -44,7 +48,8 @@ def run(
     states = np.empty((times.size, y0.size))
     states[0] = y0
     observer.sampled(0, states[:1])
-    lane = _lane(model, setting, gait, y0, times[0])
+    if lane is None:
+        lane = _lane(model, setting, gait, y0, times[0])
     filled, steps, stop, interrupted = 1, 0, None, False
     try:
         while filled < times.size and stop is None:
@@ -78,10 +83,11 @@ def run(
                 progress(float(times[filled - 1]))
     except KeyboardInterrupt:
         stop, interrupted = "the simulation was interrupted", True
-    return Integration(
-        states[:filled], float(times[filled - 1]), states[filled - 1], steps * N_STAGES, stop,
-        interrupted,
+    done = Integration(
+        times[:filled], states[:filled], float(times[filled - 1]), states[filled - 1],
+        steps * N_STAGES, stop, interrupted,
     )  # fmt: skip
+    return done, lane if stop is None else None
 
 
 def _march(

@@ -4,6 +4,8 @@ from rrrobot.orbits.gradients import Sensitivities as Sensitivities
 from rrrobot.orbits.gradients import sensitivities as sensitivities
 from rrrobot.orbits.limit_cycles import LimitCycle as LimitCycle
 from rrrobot.orbits.limit_cycles import limit_cycle as limit_cycle
+from rrrobot.orbits.linear import Linearisation as Linearisation
+from rrrobot.orbits.linear import linearise as linearise
 from rrrobot.orbits.oscillations import Mode as Mode
 from rrrobot.orbits.oscillations import PeriodRow as PeriodRow
 from rrrobot.orbits.oscillations import equilibrium as equilibrium

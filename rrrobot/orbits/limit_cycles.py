@@ -139,10 +139,10 @@ class LimitCycle:
             from rrrobot.simulation.recombined import decoupled
 
             roll, pitch, yaw = self.model.models
-            state = np.concatenate((self.euler, self.euler_rates, (0.0, 0.0)))
             return decoupled(
                 self.model.robot, self.gait, duration, sample_interval, yaw_gait=self.yaw_gait,
-                roll=roll, pitch=pitch, yaw=yaw, step=step, state=state,
+                roll=roll, pitch=pitch, yaw=yaw, step=step, euler=self.euler,
+                start=self.euler_rates,
             )  # fmt: skip
         return simulate(
             self.model, self.gait, duration, sample_interval, euler=self.euler,

@@ -10,11 +10,11 @@ import numpy as np
 from rrrobot.drive.gaits import gait
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
+from rrrobot.models.recombined import DecoupledModels
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.robot.robot import Robot
 from rrrobot.studies.comparison import Comparison, compare
 from rrrobot.studies.sweeps.run import sweep
-from rrrobot.studies.sweeps.variants import DecoupledModels
 
 if TYPE_CHECKING:
     import xarray as xr

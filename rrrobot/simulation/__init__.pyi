@@ -1,5 +1,14 @@
+from rrrobot.simulation.events import Event as Event
+from rrrobot.simulation.events import Hit as Hit
+from rrrobot.simulation.events import Snapshot as Snapshot
+from rrrobot.simulation.events import lift_off as lift_off
+from rrrobot.simulation.events import vertical as vertical
+from rrrobot.simulation.fast import MomentumFlow as MomentumFlow
+from rrrobot.simulation.flow import Evolution as Evolution
+from rrrobot.simulation.flow import Flow as Flow
 from rrrobot.simulation.recombined import decoupled as decoupled
 from rrrobot.simulation.run import simulate as simulate
+from rrrobot.simulation.state import State as State
 from rrrobot.simulation.steady import SteadyState as SteadyState
 from rrrobot.simulation.steady import steady_state as steady_state
 from rrrobot.simulation.trajectory import Trajectory as Trajectory

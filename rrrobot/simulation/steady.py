@@ -139,8 +139,8 @@ def steady_state(
 
     Args:
         trajectory: sampled at least 24 times per cycle.
-        start: counted cycles begin at the first multiple of the period from here on [s]; half
-            the duration by default.
+        start: counted cycles begin at the first multiple of the period from here on [s]; the
+            middle of the run by default.
         period: of a cycle [s]; the gait's by default.
 
     Raises:
@@ -157,7 +157,9 @@ def steady_state(
             "the gait has no period, so a steady state has no cycle: give period= in seconds."
         )
     period = finite("period", period, "s", above=0)
-    start = finite("start", duration / 2 if start is None else start, "s", at_least=0)
+    middle = 0.5 * float(time[0] + time[-1])
+    start = finite("start", middle if start is None else start, "s", at_least=0)
+    start = max(start, float(time[0]))
     # On a curved path the cycle mean depends on where in the gait a cycle begins (circular gait:
     # 2e-4 of the speed), so cycles begin at whole multiples of the period.
     start = period * math.ceil(start / period - 1e-9)

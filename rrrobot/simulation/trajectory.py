@@ -14,11 +14,14 @@ import numpy as np
 from rrrobot.checks import Array
 from rrrobot.contact.ground import Ground, normals
 from rrrobot.contact.saved import ground_from_dict
+from rrrobot.drive.laws import Memory
 from rrrobot.errors import ModelError, OutputError
 from rrrobot.files import write_whole
 from rrrobot.inline import html_table
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation import export
+from rrrobot.simulation.events import Hit
+from rrrobot.simulation.state import State
 from rrrobot.simulation.steady import SteadyState, steady_state
 
 if TYPE_CHECKING:
@@ -47,7 +50,11 @@ class Trajectory:
         height_error: distance of the shell's lowest point from the ground (n,) [m].
         configuration: free-flyer q of `robot.model` (n, nq), for the viewer and for Pinocchio.
         velocity: free-flyer v of `robot.model` (n, nv).
-        state: the model's own state vector (n, ny); the last row continues a simulation.
+        state: the model's own state vector (n, ny).
+        memory: what the drive remembers (n, k); k = 0 for one that does not.
+        events: those that were found, in order of time.
+        end: the end of the run, with what its drive hides and the engine's own variables; None
+            once it is loaded. Use `final_state`.
         robot: the robot.
         ground: what it rolls on; `position` is in its coordinates.
         metadata: model, gait or torques, integrator, versions; plain data.
@@ -76,6 +83,40 @@ class Trajectory:
     robot: Robot = field(repr=False)
     ground: Ground = field(repr=False)
     metadata: Mapping[str, Any] = field(default_factory=dict, repr=False)
+    memory: Array = field(default_factory=lambda: np.empty((0, 0)), repr=False)
+    events: tuple[Hit, ...] = field(default=(), repr=False)
+    end: State | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        if not self.memory.size:
+            object.__setattr__(self, "memory", np.empty((len(self.time), 0)))
+
+    @property
+    def final_state(self) -> State:
+        """The end, from which `simulate(..., state=)` goes on."""
+        return self.state_at(-1) if self.end is None else self.end
+
+    def state_at(self, sample: int) -> State:
+        """State at a sample, from which `simulate(..., state=)` goes on.
+
+        Example:
+            >>> import rrrobot as rr
+            >>> model = rr.FullModel(rr.Robot.from_parameters())
+            >>> t = rr.simulate(model, rr.gait("lateral"), duration=2.0)
+            >>> t.state_at(50)
+            State(full model of rrrobot at 0.5 s)
+        """
+        cut = self.metadata.get("integration", {}).get("continuous_memory")
+        row = self.memory[sample].copy()
+        return State(
+            model=dict(self.metadata["model"]),
+            robot=self.robot,
+            time=float(self.time[sample]),
+            vector=self.state[sample].copy(),
+            euler=self.euler[sample].copy(),
+            memory=None if cut is None else Memory(row[:cut], row[cut:]),
+            drive=self.metadata.get("gait"),
+        )
 
     @property
     def model_name(self) -> str:
@@ -262,7 +303,8 @@ class Trajectory:
         return f"Trajectory({', '.join(parts)})"
 
 
-_ARRAYS = tuple(f.name for f in fields(Trajectory) if f.name not in ("robot", "ground", "metadata"))
+_OTHERS = ("robot", "ground", "metadata", "events", "end")
+_ARRAYS = tuple(f.name for f in fields(Trajectory) if f.name not in _OTHERS)
 
 
 def _check_arrays(arrays: Mapping[str, Array], robot: Robot) -> None:
@@ -278,6 +320,7 @@ def _check_arrays(arrays: Mapping[str, Array], robot: Robot) -> None:
         "configuration": model.nq,
         "velocity": model.nv,
         "state": arrays["state"].shape[-1],
+        "memory": arrays["memory"].shape[-1],
     }
     n = arrays["time"].size
     for name, array in arrays.items():

@@ -1,6 +1,16 @@
+from rrrobot.steering.following import Following as Following
+from rrrobot.steering.following import follow as follow
+from rrrobot.steering.gears import Gear as Gear
+from rrrobot.steering.identification import Fit as Fit
+from rrrobot.steering.identification import MeasuredRun as MeasuredRun
+from rrrobot.steering.identification import identify as identify
 from rrrobot.steering.obstacles import Disc as Disc
 from rrrobot.steering.obstacles import Polygon as Polygon
 from rrrobot.steering.planner import plan as plan
 from rrrobot.steering.plans import Plan as Plan
+from rrrobot.steering.reaching import Reached as Reached
+from rrrobot.steering.reaching import reach as reach
+from rrrobot.steering.robots import Sensor as Sensor
+from rrrobot.steering.tracks import Track as Track
 from rrrobot.steering.yaw_planner import YawPlan as YawPlan
 from rrrobot.steering.yaw_planner import plan_yaw as plan_yaw

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -88,6 +88,20 @@ class Polygon:
 
 
 Obstacle = Disc | Polygon
+
+
+def obstacle_from_dict(data: Mapping[str, Any]) -> Obstacle:
+    """The obstacle that `to_dict` wrote.
+
+    Raises:
+        ParameterError: it is none.
+    """
+    kind = data.get("type")
+    if kind == "disc":
+        return Disc(data["center"], data["radius"])
+    if kind == "polygon":
+        return Polygon(data["corners"])
+    raise ParameterError(f"obstacle type is {kind!r}: known are disc, polygon.")
 
 
 def free_distance(obstacles: Sequence[Obstacle], points: Array) -> Array:

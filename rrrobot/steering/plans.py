@@ -1,19 +1,28 @@
-"""A plan: leg motions that lead a robot from a resting pose to another, and what to do with it."""
+"""A plan: leg motions that lead a robot from rest at a pose to rest at another."""
 
 from __future__ import annotations
 
+import json
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.drive.schedule import Schedule
+from rrrobot.errors import OutputError
+from rrrobot.files import write_whole
+from rrrobot.inline import html_table
+from rrrobot.models import model_from_dict
 from rrrobot.models.base import Model
+from rrrobot.robot.robot import Robot
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.trajectory import Trajectory
-from rrrobot.steering.obstacles import Obstacle
+from rrrobot.steering.obstacles import Obstacle, obstacle_from_dict
 from rrrobot.steering.shooting import Rest, gap
+
+FORMAT = "rrrobot plan 1"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,3 +99,73 @@ class Plan:
             "obstacles": [o.to_dict() for o in self.obstacles],
             "margin": self.margin,
         }
+
+    def plot(self, trajectory: Trajectory | None = None, ax: Any = None) -> Any:
+        """Draw the coarse path, the exact one, obstacles and margins.
+
+        Args:
+            trajectory: the exact motion; simulated unless given.
+            ax: matplotlib axes; new ones unless given.
+
+        Returns:
+            the Axes.
+        """
+        from rrrobot.steering.plots import plan_panel
+
+        return plan_panel(self, trajectory, ax)
+
+    def save(self, path: str | Path) -> Path:
+        """Write the plan with its robot and model as a .json file; `load` is the inverse.
+
+        The file is a gait's too: `read_gait` and `--gait` of every command take its schedule.
+
+        Raises:
+            OutputError: the file cannot be written, or its name does not end in .json.
+        """
+        target = Path(path)
+        if target.suffix.lower() != ".json":
+            raise OutputError(f"cannot write {str(target)!r}: a plan's file ends in .json.")
+        data = {
+            "format": FORMAT,
+            "robot": self.model.robot.to_dict(),
+            "model": self.model.to_dict(),
+            "path": self.path.tolist(),
+            "rest": {key: np.asarray(x).tolist() for key, x in self.rest._asdict().items()},
+            **self.to_dict(),
+        }
+        return write_whole(target, (json.dumps(data, indent=1) + "\n").encode())
+
+    @classmethod
+    def load(cls, path: str | Path) -> Plan:
+        """Read what `save` wrote; it runs as it did, to the last bit.
+
+        Raises:
+            OutputError: the file is missing, damaged, or no plan.
+        """
+        try:
+            data = json.loads(Path(path).read_text(encoding="utf-8"))
+            if data["format"] != FORMAT:
+                raise ValueError(f"its format is {data['format']!r}, not {FORMAT!r}")
+            rest = Rest(
+                np.array(data["rest"]["leg_angle"]),
+                np.array(data["rest"]["euler"]),
+                float(data["rest"]["settling"]),
+            )
+            parts: dict[str, Any] = {
+                key: np.array(data[key]) for key in ("start", "goal", "predicted", "path")
+            }
+            parts |= {key: float(data[key]) for key in ("duration", "lower_bound", "margin")}
+            return cls(
+                model=model_from_dict(data["model"], Robot.from_dict(data["robot"])),
+                gait=Schedule.from_dict(data["gait"]),
+                obstacles=tuple(obstacle_from_dict(o) for o in data["obstacles"]),
+                rest=rest,
+                **parts,
+            )
+        except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+            raise OutputError(
+                f"{str(path)!r} is not a plan that rrrobot saved: {str(error).rstrip('.')}."
+            ) from None
+
+    def _repr_html_(self) -> str:
+        return html_table(repr(self), {}, figure=self.plot().figure)

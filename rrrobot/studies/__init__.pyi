@@ -14,4 +14,3 @@ from rrrobot.studies.optimisation.result import OptimisedGait as OptimisedGait
 from rrrobot.studies.optimisation.run import optimise as optimise
 from rrrobot.studies.optimisation.table import GaitLimits as GaitLimits
 from rrrobot.studies.sweeps.run import sweep as sweep
-from rrrobot.studies.sweeps.variants import DecoupledModels as DecoupledModels

@@ -18,8 +18,8 @@ from rrrobot.cli.options.robot import (
     Parts,
     RobotOptions,
 )
+from rrrobot.models.recombined import DecoupledModels
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
-from rrrobot.studies.sweeps.variants import DecoupledModels
 
 if TYPE_CHECKING:
     from rrrobot.orbits.limit_cycles import LimitCycle

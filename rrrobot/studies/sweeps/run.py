@@ -25,13 +25,15 @@ from numpy.typing import ArrayLike
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import SinusoidalGait
 from rrrobot.errors import GroundClearanceWarning, ParameterError
+from rrrobot.models.base import Model
+from rrrobot.models.recombined import DecoupledModels
 from rrrobot.robot.parameters import RRRobotParameters
-from rrrobot.simulation.run import versions
+from rrrobot.simulation.evaluate import versions
 from rrrobot.studies.sweeps.grid import Grid, Plan, run_settings, whole
 from rrrobot.studies.sweeps.job import Job
 from rrrobot.studies.sweeps.progress import progress_of
 from rrrobot.studies.sweeps.store import Layout, ResultsFile
-from rrrobot.studies.sweeps.variants import DecoupledModels, Swept, Variants, engine_of
+from rrrobot.studies.sweeps.variants import Variants, engine_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,7 +50,7 @@ _IN_FLIGHT = 32
 
 
 def sweep(
-    model: Swept,
+    model: Model,
     *,
     offset: Grid | None = None,
     phase_difference: Grid | None = None,
@@ -197,7 +199,7 @@ def _warn_of_ground(heights: Array) -> None:
         )
 
 
-def _attrs(model: Swept, base: RRRobotParameters | None, run: dict[str, int]) -> dict[str, Any]:
+def _attrs(model: Model, base: RRRobotParameters | None, run: dict[str, int]) -> dict[str, Any]:
     """What a dataset says of itself."""
     from llvmlite import binding  # type: ignore[import-untyped, unused-ignore]
 

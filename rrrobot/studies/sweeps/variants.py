@@ -1,7 +1,6 @@
 """What a sweep simulates: models, their engine, and the models of other robots.
 
-`DecoupledModels` stands for the recombined single-axis models, `Variants` for a model with each
-combination of the swept robot parameters.
+`Variants` stands for a model with each combination of the swept robot parameters.
 """
 
 from __future__ import annotations
@@ -9,7 +8,7 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from rrrobot.checks import Array
 from rrrobot.contact.surfaces import Sphere
 from rrrobot.errors import GroundClearanceWarning, ModelError, ParameterError
 from rrrobot.models.base import Model
-from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
+from rrrobot.models.recombined import DecoupledModels
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.robot import Robot
 
@@ -27,59 +26,12 @@ if TYPE_CHECKING:
     from rrrobot.momentum.batch import Gaits
 
 
-@dataclass(frozen=True)
-class DecoupledModels:
-    """The single-axis models of one robot, recombined by rolling, as `rr.decoupled` does.
-
-    Args:
-        robot: with a spherical shell about the root link's origin, on level ground.
-        roll, pitch, yaw: the models, with other dampings than the paper's.
-
-    Raises:
-        ModelError: the robot has another shell or ground, or a model is of another robot.
-
-    Example:
-        >>> import numpy as np, rrrobot as rr
-        >>> from rrrobot.studies.sweeps.variants import DecoupledModels
-        >>> models = DecoupledModels(rr.Robot.from_parameters())
-        >>> round(float(rr.sweep(models, offset=np.pi / 4).yaw_rate), 5)
-        0.01355
-    """
-
-    robot: Robot
-    roll: RollModel | None = None
-    pitch: PitchModel | None = None
-    yaw: YawModel | None = None
-    name = "decoupled"
-
-    def __post_init__(self) -> None:
-        for kind, cls in (("roll", RollModel), ("pitch", PitchModel), ("yaw", YawModel)):
-            model = getattr(self, kind)
-            if model is None:
-                model = cls(self.robot)
-                object.__setattr__(self, kind, model)
-            if not isinstance(model, cls) or model.robot != self.robot:
-                raise ModelError(f"{kind} is {model!r}: it must be a {cls.__name__} of the robot.")
-
-    @property
-    def models(self) -> tuple[RollModel, PitchModel, YawModel]:
-        """The roll, the pitch and the yaw model."""
-        return self.roll, self.pitch, self.yaw  # type: ignore[return-value]
-
-    def to_dict(self) -> dict[str, Any]:
-        """What the models are, as plain data for metadata."""
-        return {"type": self.name} | {model.name: model.to_dict() for model in self.models}
-
-
-Swept = Model | DecoupledModels
-
-
 Engine = Callable[..., Array]
 """Computes steady states of (setting, gaits, **run): the columns `RESULT` of `momentum.batch`, then
 `LOADS` if asked."""
 
 
-def engine_of(model: Swept, settle: str = "cycles") -> tuple[Engine, Any]:
+def engine_of(model: Model, settle: str = "cycles") -> tuple[Engine, Any]:
     """The engine of a model, and the model in its terms.
 
     Args:
@@ -101,19 +53,12 @@ def engine_of(model: Swept, settle: str = "cycles") -> tuple[Engine, Any]:
         section_of(setting, model.name)
         return orbit_states, setting
     if isinstance(model, DecoupledModels):
-        return steady_states, decoupled_setting(model.robot, *model.models)
+        return steady_states, decoupled_setting(model.robot, *model.models)  # type: ignore[arg-type]
     if not isinstance(model, Model):
         raise ModelError(
             f"model is {model!r}: it must be a model, such as FullModel(robot), or DecoupledModels."
         )
     return steady_states, lower(model)
-
-
-def remade(model: Swept, robot: Robot) -> Swept:
-    """The same model of another robot."""
-    if isinstance(model, DecoupledModels):
-        return DecoupledModels(robot, *(remade(part, robot) for part in model.models))  # type: ignore[arg-type]
-    return model.remade(robot)
 
 
 class Variants:
@@ -124,7 +69,7 @@ class Variants:
     """
 
     def __init__(
-        self, model: Swept, grids: Mapping[str, ArrayLike], settle: str = "cycles"
+        self, model: Model, grids: Mapping[str, ArrayLike], settle: str = "cycles"
     ) -> None:
         self._model, self._settle = model, settle
         self._grids = {name: np.atleast_1d(np.asarray(grid)) for name, grid in grids.items()}
@@ -148,7 +93,7 @@ class Variants:
                 place = np.unravel_index(number, shape)
                 pairs = zip(self._grids.items(), place, strict=True)
                 values = {name: float(grid[i]) for (name, grid), i in pairs}
-                model = remade(model, Robot.from_parameters(self._parameters(values)))
+                model = model.remade(Robot.from_parameters(self._parameters(values)))
             self._last = number, (*engine_of(model, self._settle), model.robot)
         return self._last[1]
 

@@ -1,0 +1,123 @@
+"""Feedback on robots that differ from the model, and how surely a run tells what they are.
+
+    python -m benchmarks.feedback fit|goals|eight [trials]
+
+Masses +-5 % (each by itself), radius +-2 %, damping +-50 %, noise of 1 mm and 0.5 deg, a delay of
+one cycle. Writes benchmarks/results/feedback_<what>.json after each trial.
+"""
+
+from __future__ import annotations
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+import rrrobot as rr
+from benchmarks.steering import goals
+from rrrobot.drive.schedule import Schedule, stretch
+from rrrobot.errors import RRRobotError
+from rrrobot.steering import MeasuredRun, Sensor, Track, follow, identify, reach
+from rrrobot.steering.shooting import rest_of
+
+NOISE = (1e-3, np.deg2rad(0.5))
+
+
+def other(seed: int) -> rr.RRRobotParameters:
+    """A robot that differs; the servos, which fix the scale of all masses, differ too."""
+    rng, p = np.random.default_rng(seed), rr.RRRobotParameters()
+
+    def near(value: float, share: float) -> float:
+        return float(value * (1 + rng.uniform(-share, share)))
+
+    return rr.RRRobotParameters(
+        leg_mass=(near(p.leg_mass, 0.05), near(p.leg_mass, 0.05)),
+        servo_mass=(near(p.servo_mass, 0.05), near(p.servo_mass, 0.05)),
+        battery_mass=near(p.battery_mass, 0.05),
+        shell_radius=near(p.shell_radius, 0.02),
+        damping=near(p.damping, 0.5),
+    )
+
+
+def model_of(p: rr.RRRobotParameters) -> rr.FullModel:
+    return rr.FullModel(rr.Robot.from_parameters(p))
+
+
+def trial_fit(seed: int) -> dict:
+    """Whether the true values lie within twice the stated standard deviation, each."""
+    true = other(seed)
+    known = rr.RRRobotParameters(servo_mass=true.servo_mass)
+    gait = Schedule(
+        [
+            stretch(10, offset=(0.3, 0.3), amplitude=0.4, phase=(0, 2.0)),
+            stretch(10, offset=(1.57, 1.57), amplitude=0.5, phase=(0, 1.7)),
+            stretch(10, offset=(2.8, 2.6), amplitude=(0.5, 0.3), phase=(0, 4.0)),
+        ],
+        angular_frequency=8.0, rest=(np.pi / 2,) * 2, blend=2.0,
+    )  # fmt: skip
+    model = model_of(true)
+    standing = rest_of(model, gait.rest)
+    t = rr.simulate(model, gait, 33.0, 0.05, start="rest", euler=standing.euler, method="momentum")
+    pose = np.column_stack((t.position, t.euler[:, 2]))
+    pose += np.random.default_rng(seed + 10_000).normal(size=pose.shape) * (NOISE[0], *NOISE)
+    found = identify(MeasuredRun(time=t.time, pose=pose, leg_angle=t.leg_angle), known)
+    truth = true.to_dict()
+    truth["leg_mass_1"], truth["leg_mass_2"] = truth["leg_mass"]
+    return {name: (v - truth[name]) / found.uncertainty[name] for name, v in found.value.items()}
+
+
+def trial_goals(seed: int) -> dict:
+    """A random goal on another robot, by `reach`."""
+    goal = goals(seed + 1)[seed]
+    sensor = Sensor(place=NOISE[0], yaw=NOISE[1], delay=1, seed=seed)
+    try:
+        found = reach(
+            model_of(rr.RRRobotParameters()), goal, truth=model_of(other(seed)), sensor=sensor
+        )
+    except RRRobotError as error:
+        return {"place": None, "turn": None, "why": str(error)}
+    return {
+        "place": float(np.hypot(*found.error[:2])), "turn": float(abs(found.error[2])),
+        "tries": len(found.tries), "why": found.stopped,
+    }  # fmt: skip
+
+
+def trial_eight(seed: int) -> dict:
+    """A figure eight of 0.5 m for ten minutes."""
+    sensor = Sensor(place=NOISE[0], yaw=NOISE[1], delay=1, seed=seed)
+    run = follow(
+        model_of(rr.RRRobotParameters()), Track.eight(0.5), 600.0, truth=model_of(other(seed)),
+        sensor=sensor,
+    )  # fmt: skip
+    return run.to_dict()
+
+
+TRIALS = {"fit": trial_fit, "goals": trial_goals, "eight": trial_eight}
+
+
+def main(what: str, n: int) -> None:
+    rows = []
+    for seed in range(n):
+        started = time.process_time()
+        rows.append(TRIALS[what](seed) | {"seed": seed, "cpu": time.process_time() - started})
+        told = {"trials": len(rows), **_sum(what, rows), "rows": rows}
+        Path(f"benchmarks/results/feedback_{what}.json").write_text(json.dumps(told, indent=1))
+    print(json.dumps({k: v for k, v in told.items() if k != "rows"}, indent=1))
+
+
+def _sum(what: str, rows: list[dict]) -> dict:
+    if what == "fit":
+        names = [name for name in rows[0] if name not in ("seed", "cpu")]
+        within = {k: sum(abs(row[k]) < 2 for row in rows) for k in names}
+        return {"within_two_deviations": within}
+    if what == "goals":
+        near = [r["place"] is not None and r["place"] < 0.01 and r["turn"] < np.deg2rad(3)
+                for r in rows]  # fmt: skip
+        return {"within_10_mm_and_3_deg": int(sum(near))}
+    return {"rms": [row["rms"] for row in rows]}
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], int(sys.argv[2]) if len(sys.argv) > 2 else 100)

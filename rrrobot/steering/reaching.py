@@ -1,0 +1,162 @@
+"""Feedback at the goal: drive, measure, learn what the robot is, and plan what is left.
+
+Each try is an exact plan from where the robot was seen to rest. What is seen on the way tells its
+masses, radius and damping (`identify`), and the next plan is of the robot that explains it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rrrobot.checks import Array, finite, vector
+from rrrobot.errors import PlanError, RRRobotError
+from rrrobot.models.base import Model
+from rrrobot.models.full import FullModel
+from rrrobot.robot.robot import Robot
+from rrrobot.simulation.run import simulate
+from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.steering.identification import MeasuredRun, identify
+from rrrobot.steering.planner import plan
+from rrrobot.steering.plans import Plan
+from rrrobot.steering.robots import Sensor, method_for
+from rrrobot.steering.shooting import gap, off, rest_of
+
+_INTERVAL = 0.1
+"""Between measurements [s]."""
+_LEARNT = ("damping", "leg_mass", "servo_mass", "shell_radius")
+"""All that poses tell: the battery fixes the scale of the masses."""
+_STANDING = 20
+"""Measurements of the resting pose that are averaged."""
+
+
+class Try(NamedTuple):
+    """One plan that was driven."""
+
+    plan: Plan
+    trajectory: Trajectory
+    """of the true robot"""
+    seen: Array
+    """measured pose at rest (3,)"""
+    misfit: float
+    """of the robot that was learnt from it; NaN if none was"""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Reached:
+    """A goal that was driven to.
+
+    Attributes:
+        goal: (3,).
+        tries: what was driven, in order.
+        end: true pose at last (3,).
+        stopped: why no more was tried, or None where the goal was seen to be reached.
+    """
+
+    goal: Array
+    tries: tuple[Try, ...] = field(repr=False)
+    end: Array
+    stopped: str | None
+
+    @property
+    def error(self) -> Array:
+        """True minus wanted pose (3,)."""
+        return gap(self.end.copy(), self.goal)
+
+
+def reach(
+    model: Model,
+    goal: ArrayLike,
+    *,
+    truth: Model | None = None,
+    start: ArrayLike = (0.0, 0.0, 0.0),
+    sensor: Sensor | None = None,
+    within: tuple[float, float] = (3e-3, 0.015),
+    tries: int = 5,
+    **options: Any,
+) -> Reached:
+    """Drive to a pose on a robot that differs from the model, in as many plans as it needs.
+
+    Args:
+        model: what is believed at first.
+        goal, start: (x, y, yaw) at rest.
+        truth: the robot that is driven, of any ground; the believed one unless given.
+        sensor: noise of the measured poses; none unless given.
+        within: distance [m] and angle [rad] from the goal that is seen as reached.
+        tries: plans at most.
+        **options: of `plan`.
+
+    Raises:
+        PlanError: no plan to the goal at the first try.
+
+    Example:
+        >>> import numpy as np, rrrobot as rr
+        >>> from rrrobot.steering import reach
+        >>> model = rr.FullModel(rr.Robot.from_parameters())
+        >>> other = rr.FullModel(rr.Robot.from_parameters(battery_mass=0.31))
+        >>> found = reach(model, (0.1, 0.1, 0.5), truth=other)
+        >>> bool(np.hypot(*found.error[:2]) < 0.005), found.stopped
+        (True, None)
+    """
+    seer = Sensor() if sensor is None else sensor
+    finite("tries", tries, at_least=1)
+    target = vector("goal", goal, 3, labels=("x", "y", "yaw"))
+    now = vector("start", start, 3, labels=("x", "y", "yaw"))
+    done: list[Try] = []
+    real, believed = truth or model, model
+    true = now.copy()
+    noise = np.random.default_rng(seer.seed)
+    spread = np.array((seer.place, seer.place, seer.yaw))
+    stopped: str | None = f"{tries} plans did not bring it there"
+    for _ in range(tries):
+        try:
+            made = plan(believed, target, start=now, store=believed is model, **options)
+        except PlanError as error:
+            if not done:
+                raise
+            stopped = str(error)
+            break
+        t = _driven(real, made, true)
+        poses = np.column_stack((t.position, t.euler[:, 2]))
+        true = poses[-1]
+        seen = poses + noise.normal(size=poses.shape) * spread
+        now = seen[-_STANDING:].mean(axis=0)
+        misfit = float("nan")
+        reached = off(gap(now.copy(), target), within) <= 1.0
+        if not reached:
+            believed, misfit = _learnt(model, believed, t, seen, seer)
+        done.append(Try(made, t, now, misfit))
+        if reached:
+            stopped = None
+            break
+    return Reached(goal=target, tries=tuple(done), end=true, stopped=stopped)
+
+
+def _driven(real: Model, made: Plan, pose: Array) -> Trajectory:
+    """The true robot's run of a plan."""
+    standing = rest_of(real, made.rest.leg_angle)
+    length = made.gait.duration + max(standing.settling, made.rest.settling)
+    return simulate(
+        real, made.gait, length + _STANDING * _INTERVAL, _INTERVAL, start="rest",
+        euler=standing.euler + np.array((0.0, 0.0, pose[2])), position=pose[:2],
+        method=method_for(real), rtol=1e-8, atol=1e-10,
+    )  # fmt: skip
+
+
+def _learnt(
+    model: Model, believed: Model, t: Trajectory, seen: Array, seer: Sensor
+) -> tuple[Model, float]:
+    """The robot that explains a run, if one does; else what was believed."""
+    parameters = believed.robot.parameters
+    if parameters is None or type(model) is not FullModel:
+        return believed, float("nan")
+    run = MeasuredRun(time=t.time, pose=seen, leg_angle=t.leg_angle)
+    noise = (max(seer.place, 1e-4), max(seer.yaw, 1e-3))
+    try:
+        found = identify(run, parameters, free=_LEARNT, noise=noise)
+    except (RRRobotError, np.linalg.LinAlgError):
+        return believed, float("nan")
+    return FullModel(Robot.from_parameters(found.parameters)), found.misfit

@@ -1,0 +1,338 @@
+"""Machines in space against values that were derived apart from Pinocchio: Kane trees, moment
+equations, Kirchhoff's equations and closed forms."""
+
+import numpy as np
+import pytest
+
+import rrrobot as rr
+
+TOL = {"rtol": 2e-9, "atol": 3e-9}
+
+
+def close(found, wanted, **more):
+    np.testing.assert_allclose(found, wanted, **(TOL | more))
+
+
+def axis(k, angle):
+    i, j = (k + 1) % 3, (k + 2) % 3
+    R = np.eye(3)
+    c, s = np.cos(angle), np.sin(angle)
+    R[i, i], R[i, j], R[j, i], R[j, j] = c, -s, s, c
+    return R
+
+
+def rpy(roll, pitch, yaw):
+    return axis(2, yaw) @ axis(1, pitch) @ axis(0, roll)
+
+
+def zxy(yaw, lean, spin):
+    return axis(2, yaw) @ axis(0, lean) @ axis(1, spin)
+
+
+def matrix(quaternion):
+    return rr.rotations.rotation_from_quaternion(quaternion)
+
+
+WHEELS = {"disc": {}, "torus": {"A": 0.03, "C": 0.055, "rho": 0.02}}
+TURNED = {
+    "disc": ((0.99175358, -2.191641855, -0.5380021826), (8.332881122, 2.556704683, 1.271899946),
+             (1.190104296, -2.629970226, 11.12639738), (0.3635761647, -0.3277096711),
+             (0.8470178579, -0.4241385008, 0.3204173538)),
+    "torus": ((0.9453363481, -2.099182664, -0.4437087499), (7.446341984, 2.299715324, 1.060932931),
+              (1.134403618, -2.519019197, 11.2395495), (0.3697578018, -0.4859153832),
+              (0.718327823, -0.6096504132, 0.3351589361)),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", WHEELS)
+def test_disc_and_torus(name):
+    wheel = rr.machines.rolling_disc(**WHEELS[name])
+    R = zxy(0.4, 0.35, 2.1)
+    # u in the lean frame: x horizontal, y the axle.
+    omega = axis(1, 2.1).T @ np.array((0.5, -3.0, 1.2))
+    close(R @ omega, (1.718194226, -2.779945277, 0.09855383305))
+    pose = wheel.at(R)
+    pose[:2] = 0.0
+    centre, alpha, force, place, axle = TURNED[name]
+    a = wheel.evaluate(pose=pose, body_velocity=omega)
+    close(a.pose_acceleration, np.concatenate((centre, alpha)))
+    close(a.multipliers["contact"], force)
+    t = wheel.simulate(None, 1.0, pose=pose, start=omega, sample_interval=0.1)
+    close(t.pose[-1, :2], place)
+    close(matrix(t.quaternion[-1])[:, 1], axle)
+
+
+@pytest.mark.parametrize("name", WHEELS)
+def test_a_disc_keeps_its_energy_through_every_turn_over(name):
+    wheel = rr.machines.rolling_disc(**WHEELS[name])
+    omega = axis(1, 2.1).T @ np.array((0.5, -6.0, 1.2))
+    t = wheel.simulate(None, 15.0, pose=wheel.at(zxy(0.4, 0.35, 2.1)), start=omega,
+                       sample_interval=0.05)  # fmt: skip
+    assert np.abs(t.energy / t.energy[0] - 1).max() < 1e-10
+    assert t.violation.max() < 1e-12
+    lowest = [
+        p[2] - wheel.model.rolling.surface.support(-matrix(p[3:]).T @ (0, 0, 1.0)) for p in t.pose
+    ]
+    assert np.abs(lowest).max() < 1e-12
+    assert abs(t.wheel_angles[-1, 2] - t.wheel_angles[0, 2]) > 10 * np.pi
+
+
+@pytest.mark.parametrize(
+    ("name", "rolls", "spins"),
+    [("disc", 3.30151480384, 5.11468474102), ("torus", 3.29079990652, 4.80629493036)],
+)
+def test_critical_speeds_of_a_disc(name, rolls, spins):
+    wheel = rr.machines.rolling_disc(**WHEELS[name])
+
+    def growth(rate, rolling):
+        # Small lean; below the critical rate it grows at once, above it stays small.
+        R = zxy(0.0, 1e-7, 0.0)
+        omega = R.T @ ((0.0, rate, 0.0) if rolling else (0.0, 0.0, rate))
+        t = wheel.simulate(None, 8.0, pose=wheel.at(R), start=omega, sample_interval=0.02)
+        return np.abs(t.wheel_angles[:, 1]).max()
+
+    for critical, rolling in ((rolls, True), (spins, False)):
+        assert growth(1.02 * critical, rolling) < 2e-5
+        assert growth(0.98 * critical, rolling) > 1e-3
+
+
+@pytest.mark.parametrize(
+    ("name", "lean", "yaw", "spin"),
+    [("disc", 0.3, 2.0, -3.86429879851), ("disc", 1.3, 6.0, -17.9054298214),
+     ("torus", 0.3, 2.0, -3.53741614638), ("torus", 1.3, 6.0, -15.8314067118)],
+)  # fmt: skip
+def test_steady_rolling_of_a_disc(name, lean, yaw, spin):
+    wheel = rr.machines.rolling_disc(**WHEELS[name])
+    R = zxy(0.0, lean, 0.0)
+    omega = R.T @ (0, 0, yaw) + np.array((0, spin, 0))
+    a = wheel.evaluate(pose=wheel.at(R), body_velocity=omega)
+    # Steady: the angular acceleration is that of the spin axis being carried round by the yaw.
+    wanted = np.cross((0, 0, yaw), R @ (0, spin, 0))
+    np.testing.assert_allclose(a.pose_acceleration[3:], wanted, atol=2e-9)
+    np.testing.assert_allclose(a.pose_acceleration[2], 0, atol=1e-9)
+
+
+def test_a_ball_runs_down_at_five_sevenths():
+    ball = rr.machines.ball_on_slope(m=1.3, r=0.1, slope=0.3)
+    a = ball.evaluate()
+    assert np.linalg.norm(a.pose_acceleration[:3]) == pytest.approx(2.0707523052, rel=1e-10)
+    down = np.array((np.cos(0.3), 0, -np.sin(0.3)))
+    friction = a.multipliers["contact"] @ down
+    assert friction == pytest.approx(-2 / 7 * 1.3 * 9.81 * np.sin(0.3), rel=1e-12)
+    t = ball.simulate(None, 2.0, sample_interval=0.5)
+    assert (t.pose[-1, :3] - t.pose[0, :3]) @ down == pytest.approx(2 * 2.0707523052, rel=1e-9)
+
+
+def test_a_ball_on_a_turntable_takes_seven_halves():
+    ball = rr.machines.turntable_ball(rate=2.0)
+    # v = Omega z x x + r omega x z at the contact: omega from the centre's velocity.
+    x, v = np.array((0.3, 0.1)), np.array((0.2, -0.15))
+    slip = v - 2.0 * np.array((-x[1], x[0]))
+    omega = (-slip[1] / 0.1, slip[0] / 0.1, 0.7)
+    t = ball.simulate(None, 3.5 * np.pi, pose=(0.3, 0.1, 0.1, 0, 0, 0, 1), start=omega,
+                      sample_interval=0.5)  # fmt: skip
+    close(t.pose[2, :2], (0.5309955562, 0.0136357943))
+    velocity = matrix(t.quaternion[2]) @ t.body_velocity[2, :3]
+    close(velocity[:2], (0.2493509747, -0.01800253934))
+    np.testing.assert_allclose(t.pose[-1, :2], x, atol=1e-9)
+    world = [matrix(q) @ w for q, w in zip(t.quaternion, t.body_velocity[:, 3:], strict=True)]
+    np.testing.assert_allclose(np.array(world)[:, 2], 0.7, atol=1e-10)
+
+
+def momentum_about_the_contact(t, I, m, r):  # noqa: E741
+    found = []
+    for q, w in zip(t.quaternion, t.body_velocity[:, 3:], strict=True):
+        R = matrix(q)
+        up = R[2]
+        found.append(R @ (np.array(I) * w + m * r * r * (w - (w @ up) * up)))
+    return np.array(found)
+
+
+def test_chaplygin_sphere():
+    ball = rr.machines.chaplygin_sphere()
+    R = rpy(0.1, 0.2, 0.3)
+    omega = R.T @ (3, -2, 4)
+    a = ball.evaluate(pose=R, body_velocity=omega)
+    close(a.pose_acceleration[3:], (0.5830063636, 1.183689366, 0.4912962224))
+    close(a.multipliers["contact"], (0.2367378732, -0.1166012727, 9.81))
+    t = ball.simulate(None, 60.0, pose=R, start=omega, sample_interval=1.0)
+    assert t.energy[0] - 9.81 * 0.2 == pytest.approx(0.5017491412, abs=1e-10)
+    K = momentum_about_the_contact(t, (0.010, 0.014, 0.018), 1.0, 0.2)
+    close(K[0], (0.1606694328, -0.1103467999, 0.0751990961))
+    assert np.abs(K - K[0]).max() < 1e-10 * np.linalg.norm(K[0])
+    assert np.abs(t.energy / t.energy[0] - 1).max() < 1e-10
+    assert t.violation.max() < 1e-12
+    close(t.pose[5, :2], (-1.943051188, -2.825175732))
+    close(
+        matrix(t.quaternion[5]) @ t.body_velocity[5, 3:],
+        (3.059403405, -1.981294706, 3.9005275),
+        rtol=1e-8,
+    )
+
+
+def test_routh_sphere_keeps_jellett_and_routh():
+    m, r, A, C, a = 1.0, 0.2, 0.012, 0.016, 0.05
+    ball = rr.machines.routh_sphere()
+    R = rpy(0.3, 0.2, 0.5)
+    omega = R.T @ (0.5, 1, 6)
+    pose = ball.at(R)
+    found = ball.evaluate(pose=pose, body_velocity=omega)
+    close(found.pose_acceleration[3:], (-6.14744649, -6.943085991, 0.7321119457))
+    t = ball.simulate(None, 60.0, pose=pose, start=omega, sample_interval=1.0)
+    jellett, routh = [], []
+    for q, w in zip(t.quaternion, t.body_velocity[:, 3:], strict=True):
+        up = matrix(q)[2]
+        rc = -r * up + np.array((0, 0, a))
+        K = np.array((A, A, C)) * w + m * np.cross(rc, np.cross(w, -rc)) * -1
+        jellett.append(K @ -rc)
+        routh.append(w[2] * np.sqrt(A * C + m * (A * (rc[0] ** 2 + rc[1] ** 2) + C * rc[2] ** 2)))
+    for values, wanted in (
+        (t.energy, 1.808802837),
+        (jellett, 0.01411441433),
+        (routh, 0.1317305769),
+    ):
+        values = np.array(values)
+        assert values[0] == pytest.approx(wanted, rel=1e-9)
+        assert np.abs(values / values[0] - 1).max() < 1e-10
+    close(t.pose[3, :2] - t.pose[0, :2], (-0.2834687331, 0.1049251815))
+
+
+def test_rattleback_accelerations():
+    stone = rr.machines.rattleback()
+    R = rpy(0.05, -0.03, 0.4)
+    a = stone.evaluate(pose=R, body_velocity=R.T @ (0.3, -0.2, 4))
+    close(a.pose_acceleration[:3], (1.11943979, 1.327961515, -6.453615388))
+    close(a.pose_acceleration[3:], (-49.76925239, 106.0598102, -24.18664423))
+    close(a.multipliers["contact"], (0.06128116676, 0.8278457714, 3.31997844))
+
+
+def test_rattleback_turns_back():
+    half = np.deg2rad(0.5)
+    R = zxy(0, half, -half)
+    ends = {
+        0.0: [
+            (5.041042306, -1.761423169, 3.117543537),
+            (4.438574943, -1.13123711, 0.884658189),
+            (-0.17049031, 0.35663586, -0.25130638),
+        ],
+        1e-4: [
+            (4.370049882, -0.7559666271, 2.577818508),
+            (0.91770054, 4.37878725, 0.47237778),
+        ],
+    }
+    for sigma, rates in ends.items():
+        stone = rr.machines.rattleback(sigma=sigma)
+        t = stone.simulate(None, len(rates), pose=stone.at(R), start=(0, 0, 5.0),
+                           sample_interval=0.5, rtol=1e-12)  # fmt: skip
+        for second, rate in enumerate(rates, start=1):
+            np.testing.assert_allclose(t.body_velocity[2 * second, 3:], rate, atol=2e-7)
+    t = stone.simulate(None, 5.0, pose=stone.at(R), start=(0, 0, 5.0), sample_interval=0.02,
+                       rtol=1e-9)  # fmt: skip
+    spin = [matrix(q)[2] @ w for q, w in zip(t.quaternion, t.body_velocity[:, 3:], strict=True)]
+    assert spin[0] > 4.9
+    assert min(spin) < -2
+
+
+def test_rotor_ball():
+    ball = rr.machines.rotor_ball()
+    R = rpy(0.1, 0.2, 0.3)
+    a = ball.evaluate(pose=R, body_velocity=R.T @ (1, -2, 0.5), shape_rates=(30, -20, 10),
+                      shape_accelerations=(5, 2, -7))  # fmt: skip
+    close(a.pose_acceleration[3:], (-0.1101689739, -0.4996077066, -4.721369715))
+    close(a.joint_torques, (0.004552111811, 0.0008724118732, -0.009287784888))
+    t = ball.simulate(ball.gaits["circle"], np.pi, sample_interval=0.5)
+    close(t.pose[-1, :2], (0.003146775267, 0.01570689162))
+    close(t.rotation_vector[-1], (-0.01083547165, 0.001929199585, -0.424094768))
+
+
+def test_pendulum_ball():
+    ball = rr.machines.pendulum_ball()
+    R = rpy(0.1, 0.2, 0.3)
+    state = dict(pose=R, body_velocity=R.T @ (1, -2, 0.5), shape=(0.5, -0.4),
+                 shape_rates=(1.5, -0.7))  # fmt: skip
+    a = ball.evaluate(**state, joint_torques=(0.3, -0.1))
+    close(a.pose_acceleration[3:], (13.00847014, -12.69948453, 0.7385575166))
+    close(a.shape_accelerations, (-41.45452956, 14.78246053))
+    close(a.multipliers["contact"], (-0.2106282776, -0.1685097554, 15.55175799))
+    a = ball.evaluate(**state, shape_accelerations=(2, -1))
+    close(a.pose_acceleration[3:], (10.85967677, -11.50390857, -0.6313396354))
+    close(a.joint_torques, (1.130403826, -0.4113143589))
+    t = ball.simulate(ball.gaits["spin_up"], 3.0, sample_interval=0.5)
+    close(t.pose[-1, :2], (-0.3752944072, 0.1094142252))
+
+
+def test_sphericle():
+    import pinocchio as pin
+
+    ball = rr.machines.sphericle()
+    vehicle, shell = rpy(0.1, 0.15, 0.3), rpy(-0.4, 0.2, 0.9)
+    a = ball.evaluate(
+        pose=shell, passive={"vehicle": pin.Quaternion(shell.T @ vehicle).coeffs()},
+        body_velocity=(0.2, 0.9, -0.3) @ shell, shape_rates=(0.3, 0.8),
+        shape_accelerations=(0.5, -0.4),
+    )  # fmt: skip
+    close(a.pose_acceleration[3:], (-1.4241583, -5.795684442, 0.679648629))
+    close(a.multipliers["drive"], (0.172067696, 0.1857011966, -0.001707118256))
+    t = ball.simulate(ball.gaits["weave"], 3.0, sample_interval=0.5)
+    close(t.pose[-1, :2], (0.4518301026, 0.2360003712))
+
+
+def test_legged_satellite():
+    body = rr.machines.legged_satellite()
+    gait = body.gaits["circular"]
+    t = body.simulate(gait, gait.period, sample_interval=0.1)
+    close(t.rotation_vector[-1], (-0.0008018222554, -0.0001793439198, 0.005523117332))
+
+
+def test_planar_satellite():
+    body = rr.machines.satellite()
+    t = body.simulate(body.gaits["circle"], 2 * np.pi, sample_interval=0.5)
+    assert t.pose[-1, 2] == pytest.approx(-0.01660494707, rel=1e-9)
+
+
+@pytest.mark.parametrize(("beta", "turn"), [(0.6, 2.279159652), (0.4609194657, np.pi)])
+def test_the_cat_turns_over(beta, turn):
+    for parts in ({}, {"m": 3.0, "d": 0.1}):
+        cat = rr.machines.falling_cat(beta=beta, **parts)
+        t = cat.simulate(cat.gaits["roll"], 3.0, sample_interval=0.5)
+        R = matrix(t.quaternion[-1])
+        # About its spine, the x axis, which comes back.
+        np.testing.assert_allclose(R[:, 0], (1, 0, 0), atol=1e-9)
+        angle = np.arctan2(R[2, 1], R[1, 1])
+        assert (
+            np.cos(angle - turn) == pytest.approx(1, abs=1e-15) or abs(abs(angle) - turn) < 1e-8
+        )  # either sense of the roll
+
+
+def submarine_state():
+    return dict(pose=np.concatenate((np.zeros(3), rr.rotations.quaternion_from_euler(
+        (0.1, 0.2, 0.3)))), body_velocity=(0.6, -0.2, 0.1, 0.3, -0.4, 0.5))  # fmt: skip
+
+
+def test_submarine_with_rotors():
+    boat = rr.machines.submarine()
+    close(boat.model.fluid.mass, (8.018079007, 37.72874897, 65.82858913))
+    close(boat.model.fluid.inertia, (0.05853949792, 2.179401169, 1.083471016))
+    a = boat.evaluate(**submarine_state(), shape_rates=(20, -10, 5), shape_accelerations=(3, -4, 2))
+    close(a.pose_acceleration[:3], (-0.01269240785, 0.1069846305, 0.1015387377))
+    close(a.pose_acceleration[3:], (-1.445495994, -0.2311472751, 1.402254163))
+    close(a.joint_torques, (0.02602119466, -0.110586714, 0.09181062465))
+    start = submarine_state()
+    t = boat.simulate(rr.StillLegs((0.0,) * 3), 60.0, pose=start["pose"],
+                      start=start["body_velocity"], sample_interval=1.0, rtol=1e-12)  # fmt: skip
+    close(t.pose[2, :3], (1.10789658, -0.1468158395, 0.01505219414))
+    assert np.abs(t.energy - t.energy[0]).max() < 1e-10 * np.abs(t.energy[0])
+
+
+def test_submarine_turns_by_its_rotors_alone():
+    boat = rr.machines.submarine(h=0.0)
+    t = boat.simulate(boat.gaits["turn"], 2 * np.pi, sample_interval=0.5)
+    close(t.rotation_vector[-1], (-0.003373647773, -4.193086589e-05, -0.08311333017))
+    assert np.abs(t.pose[:, :3]).max() < 1e-10
+
+
+def test_submarine_is_moved_by_the_fluid():
+    boat = rr.machines.submarine(mp=5.0, h=0.0)
+    t = boat.simulate(boat.gaits["circle"], 2 * np.pi, sample_interval=0.5)
+    close(t.pose[-1, :3], (2.880993462e-05, 0.0008228075559, -5.891875e-07), atol=1e-11)
+    close(t.rotation_vector[-1], (-0.001431554186, 0, -0.06999975767))
