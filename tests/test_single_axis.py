@@ -21,6 +21,9 @@ from tests.twins import (
     random_state,
 )
 
+# Legs that swing freely, or at random, go where the ground would be.
+pytestmark = pytest.mark.filterwarnings("ignore::rrrobot.errors.GroundClearanceWarning")
+
 MODELS: dict[str, Any] = {"roll": rr.RollModel, "pitch": rr.PitchModel, "yaw": rr.YawModel}
 AXES = tuple(MODELS)
 ROLLING = AXES[:2]

@@ -54,6 +54,7 @@ def motion(
 )
 @examples(25)
 def test_known_drift_amplitude_and_phase(amplitude, phase, mean, drift, velocity):
+    drift = drift * (0, 0, 1)  # a roll or a pitch that drifts turns the body over
     t = motion(
         amplitude=amplitude, phase=phase, mean=mean, drift=drift, velocity=velocity, wobble=0.02
     )

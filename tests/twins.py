@@ -93,7 +93,8 @@ def tree_robot(seed: int, centred: bool = False) -> rr.Robot:
 
     def inertial(mass: float, at: Array) -> str:
         a = rng.uniform(-0.05, 0.05, (3, 3))
-        body = mass * (a @ a.T + 1e-3 * np.eye(3))
+        second = mass * (a @ a.T + 1e-3 * np.eye(3))
+        body = np.trace(second) * np.eye(3) - second  # as a body can have it
         pairs = ("xx", "yy", "zz", "xy", "xz", "yz")
         entries = " ".join(
             f'i{ij}="{body["xyz".index(ij[0]), "xyz".index(ij[1])]}"' for ij in pairs
