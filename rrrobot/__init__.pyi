@@ -43,6 +43,7 @@ from rrrobot.drive.tables import gait_from_dict as gait_from_dict
 from rrrobot.drive.tables import gait_table as gait_table
 from rrrobot.drive.tables import read_gait as read_gait
 from rrrobot.drive.torques import LegTorques as LegTorques
+from rrrobot.errors import BranchInterrupted as BranchInterrupted
 from rrrobot.errors import ConstraintError as ConstraintError
 from rrrobot.errors import GaitError as GaitError
 from rrrobot.errors import GroundClearanceWarning as GroundClearanceWarning

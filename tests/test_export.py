@@ -46,7 +46,7 @@ def test_dataset_holds_every_array_with_its_unit(run):
 
 def test_no_array_of_a_trajectory_stays_behind(run):
     arrays = {k for k, v in vars(run).items() if isinstance(v, np.ndarray)}
-    assert arrays <= set(QUANTITIES) | {"time"}
+    assert arrays <= set(QUANTITIES) | {"time", "memory"}
 
 
 def test_dataset_goes_through_netcdf(run, tmp_path):

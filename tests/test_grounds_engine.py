@@ -43,6 +43,7 @@ def test_engine_and_kkt_agree_to_1e_9_after_ten_seconds(name):
     np.testing.assert_allclose(fast.contact_force, kkt.contact_force, atol=3e-8)
 
 
+@pytest.mark.filterwarnings("ignore::rrrobot.errors.GroundClearanceWarning")
 @pytest.mark.parametrize("ground", [SLOPE, BOULDER, GRAPH], ids=["slope", "boulder", "graph"])
 def test_random_tree_of_twelve_joints(ground):
     """A shell off the base's origin and turned against it, on a random tree of joints."""

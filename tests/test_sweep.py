@@ -244,7 +244,7 @@ grid = st.one_of(angle, st.lists(angle, min_size=1, max_size=4, unique=True))
 )
 def test_grids_are_products(offset, amplitude, phase, frequency, chunk) -> None:  # type: ignore[no-untyped-def]
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sweep_models, "engine_of", lambda model: (echo, None))
+        patch.setattr(sweep_models, "engine_of", lambda *_: (echo, None))
         ds = sweep(
             FULL,
             offset=offset,
@@ -269,7 +269,7 @@ def test_grids_are_products(offset, amplitude, phase, frequency, chunk) -> None:
 
 
 def test_phase_difference_leads(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(sweep_models, "engine_of", lambda model: (echo, None))
+    monkeypatch.setattr(sweep_models, "engine_of", lambda *_: (echo, None))
     ds = sweep(FULL, offset=1.0, phase_difference=[0.5, 0.7])
     assert (ds.roll_amplitude == 0).all()
     assert ds.pitch_amplitude.values.tolist() == [0.5, 0.7]
@@ -345,9 +345,7 @@ def test_every_parameter_can_be_swept(field: str) -> None:
     value = 1.1 * rr.RRRobotParameters().to_dict()[field]
     for model in (rr.PivotingModel(ROBOT), DecoupledModels(ROBOT)):
         ds = sweep(model, offset=0.8, parameters={field: [value]}, **SHORT)
-        other = sweep_models.remade(
-            model, rr.Robot.from_parameters(rr.RRRobotParameters(**{field: value}))
-        )
+        other = model.remade(rr.Robot.from_parameters(rr.RRRobotParameters(**{field: value})))
         assert float(ds.pitch_amplitude[0]) == float(
             sweep(other, offset=0.8, **SHORT).pitch_amplitude
         )
@@ -601,7 +599,7 @@ def test_errors_of_a_chunk_come_through(monkeypatch: pytest.MonkeyPatch) -> None
     def fail(setting, gaits, **_):  # type: ignore[no-untyped-def]
         raise ZeroDivisionError("of the engine")
 
-    monkeypatch.setattr(sweep_models, "engine_of", lambda model: (fail, None))
+    monkeypatch.setattr(sweep_models, "engine_of", lambda *_: (fail, None))
     with pytest.raises(ZeroDivisionError, match="of the engine"):
         sweep(FULL, **PLANE, chunk=3)
 

@@ -148,7 +148,7 @@ def test_a_finished_sweep_is_not_computed_again(
     def fail(*_: object, **__: object) -> None:
         raise AssertionError("computed again")
 
-    monkeypatch.setattr(sweep_models, "engine_of", lambda model: (fail, None))
+    monkeypatch.setattr(sweep_models, "engine_of", lambda *_: (fail, None))
     xr.testing.assert_identical(sweep(FULL, **GRIDS, store=store), whole[0])
     assert store.read_bytes() == whole[1]
 

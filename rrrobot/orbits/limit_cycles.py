@@ -48,7 +48,7 @@ class LimitCycle:
         >>> import rrrobot as rr
         >>> c = rr.limit_cycle(rr.FullModel(rr.Robot.from_parameters()), rr.gait("circular"))
         >>> c.stable, round(c.speed, 6), round(c.yaw_rate, 6)
-        (True, 0.006677, 0.020855)
+        (True, 0.006676, 0.020855)
     """
 
     model: Any
@@ -222,7 +222,7 @@ def limit_cycle(
         >>> model = rr.FullModel(rr.Robot.from_parameters())
         >>> c = rr.limit_cycle(model, rr.gait("lateral"))
         >>> abs(c.multipliers).round(3).tolist()
-        [0.687, 0.687, 0.553, 0.553, 0.161]
+        [0.674, 0.674, 0.575, 0.575, 0.09]
     """
     case = prepared(model, gait, periods, yaw_gait, steps_per_cycle)
     at = start.point if isinstance(start, LimitCycle) else start

@@ -72,7 +72,7 @@ class TravelForm:
         >>> import numpy as np, rrrobot as rr
         >>> model = rr.FullModel(rr.Robot.from_parameters())
         >>> form = rr.orbits.travel_form(model, offset=np.pi / 2, angular_frequency=8.0)
-        >>> small = rr.gait("lateral", amplitude=0.05)
+        >>> small = rr.gait("lateral", amplitude=0.03)
         >>> exact = rr.limit_cycle(model, small).speed
         >>> bool(abs(form.predict(small).speed / exact - 1) < 2e-3)
         True

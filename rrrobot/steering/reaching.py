@@ -22,7 +22,7 @@ from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.steering.identification import MeasuredRun, identify
 from rrrobot.steering.planner import plan
 from rrrobot.steering.plans import Plan
-from rrrobot.steering.robots import Sensor, method_for
+from rrrobot.steering.robots import Sensor, stepping_of
 from rrrobot.steering.shooting import gap, off, rest_of
 
 _INTERVAL = 0.1
@@ -142,7 +142,7 @@ def _driven(real: Model, made: Plan, pose: Array) -> Trajectory:
     return simulate(
         real, made.gait, length + _STANDING * _INTERVAL, _INTERVAL, start="rest",
         euler=standing.euler + np.array((0.0, 0.0, pose[2])), position=pose[:2],
-        method=method_for(real), rtol=1e-8, atol=1e-10,
+        **stepping_of(real),
     )  # fmt: skip
 
 

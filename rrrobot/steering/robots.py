@@ -14,6 +14,7 @@ from rrrobot.drive.schedule import Schedule, Stretch
 from rrrobot.errors import ModelError
 from rrrobot.models.base import Model
 from rrrobot.simulation.run import simulate
+from rrrobot.simulation.state import State
 from rrrobot.steering.shooting import rest_of
 
 SAMPLES = 8
@@ -87,7 +88,7 @@ class Driven:
         self._noise = np.random.default_rng(sensor.seed)
         self._seen: list[Array] = []
         self.means: list[Array] = [np.asarray(start, dtype=float)]
-        self._method = method_for(model)
+        self._stepping = stepping_of(model)
 
     def cycle(self, offset: float, amplitude: float, phase_difference: float) -> None:
         """One more leg cycle, in which the gait is blended to this one."""
@@ -110,11 +111,11 @@ class Driven:
         how = (
             {"start": "rest", "euler": self._euler, "position": self._start[:2]}
             if self._state is None
-            else {"state": self._state}
+            else {"state": State.from_array(self.model, self._state)}
         )
         t = simulate(
             self.model, _From(pair, self.period), self.period, self.period / SAMPLES,
-            method=self._method, rtol=1e-8, atol=1e-10, **how,
+            **self._stepping, **how,
         )  # fmt: skip
         self._state = t.state[-1]
         yaw = np.unwrap(np.concatenate(([self._yaw], t.euler[:, 2])))[1:]
@@ -157,12 +158,12 @@ class Driven:
         )
 
 
-def method_for(model: Model) -> str:
-    """Method of `simulate`: the fast one where the engine knows the model."""
+def stepping_of(model: Model) -> dict[str, Any]:
+    """Options of `simulate`: the fast method where the engine knows the model."""
     from rrrobot.momentum.lowering import lower
 
     try:
         lower(model)
     except ModelError:
-        return "kkt"
-    return "momentum"
+        return {"method": "kkt", "rtol": 1e-8, "atol": 1e-10}
+    return {"method": "momentum"}
