@@ -158,7 +158,7 @@ def identify(
         >>> pose = np.column_stack((t.position, t.euler[:, 2]))
         >>> run = MeasuredRun(time=t.time, pose=pose, leg_angle=t.leg_angle)
         >>> fit = identify(run, free=("damping", "battery_mass"))
-        >>> {name: round(x, 4) for name, x in fit.value.items()}
+        >>> {name: round(x, 3) for name, x in fit.value.items()}
         {'damping': 0.013, 'battery_mass': 0.32}
     """
     start = RRRobotParameters() if guess is None else guess

@@ -96,7 +96,7 @@ def reach(
         >>> import numpy as np, rrrobot as rr
         >>> from rrrobot.steering import reach
         >>> model = rr.FullModel(rr.Robot.from_parameters())
-        >>> other = rr.FullModel(rr.Robot.from_parameters(battery_mass=0.31))
+        >>> other = rr.FullModel(rr.Robot.from_parameters(rr.RRRobotParameters(battery_mass=0.31)))
         >>> found = reach(model, (0.1, 0.1, 0.5), truth=other)
         >>> bool(np.hypot(*found.error[:2]) < 0.005), found.stopped
         (True, None)
