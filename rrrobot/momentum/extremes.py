@@ -62,7 +62,9 @@ class Work(NamedTuple):
     """largest value of each kind, see `_value` (2 + legs,)"""
 
 
-def extremes(setting: Setting, gaits: FourierGaits, motion: Array) -> Array:
+def extremes(
+    setting: Setting, gaits: FourierGaits, motion: Array, peaks: Array | None = None
+) -> Array:
     """Loads of gaits (n, len(LOADS)) in the cycle of which the motion is given.
 
     Holds no interpreter lock while it computes. What a gait gives does not depend on the others.
@@ -73,6 +75,7 @@ def extremes(setting: Setting, gaits: FourierGaits, motion: Array) -> Array:
         motion: z_body and angular velocity in the body's axes at equal steps of a cycle that
             begins at phase zero, and the contact's where the axis is ANY (n, steps, entries).
             Where the motion does not repeat, its last interval is left out.
+        peaks: filled with the largest |motor torque| of each leg (n, legs) [N m], if given.
     """
     steps, (n, legs) = motion.shape[1], gaits.offset.shape
     instants, n_bodies = steps * (_REFINED if setting.periodic else 1), setting.tree.mass.size
@@ -100,18 +103,32 @@ def extremes(setting: Setting, gaits: FourierGaits, motion: Array) -> Array:
     evaluate(
         setting.tree, setting.parameters, setting.axis, setting.leg_loss, tuple(gaits), motion,
         np.array((np.sin(turn), np.cos(turn))), refine, finer, setting.periodic, work, out,
+        np.empty((0, legs)) if peaks is None else peaks,
     )  # fmt: skip
     return out
 
 
 @compiled()
 def evaluate(  # type: ignore[no-untyped-def]
-    tree, parameters, axis, leg_loss, gaits, motion, turns, refine, finer, periodic, work, out
+    tree,
+    parameters,
+    axis,
+    leg_loss,
+    gaits,
+    motion,
+    turns,
+    refine,
+    finer,
+    periodic,
+    work,
+    out,
+    peaks,
 ):
     """Loads of gaits; see `extremes`."""
     tree, parameters, gaits = borrowed(tree), borrowed(parameters), borrowed(gaits)
     motion, turns, refine = borrowed(motion), borrowed(turns), borrowed(refine)
     finer, work, out = borrowed(finer), borrowed(work), borrowed(out)
+    peaks = borrowed(peaks)
     n_legs = work.leg.shape[1]
     for g in range(len(out)):
         _signals(tree, parameters, axis, gaits, g, motion, turns, refine, work)
@@ -140,6 +157,8 @@ def evaluate(  # type: ignore[no-untyped-def]
         square, row[3], row[4] = 0.0, 0.0, 0.0
         for leg in range(n_legs):
             row[3] = max(row[3], work.tops[2 + leg])
+            if len(peaks) > 0:
+                peaks[g, leg] = work.tops[2 + leg]
             for k in range(len(work.fine)):
                 x = work.fine[k]
                 square += x[TORQUE + leg] * x[TORQUE + leg]
