@@ -180,3 +180,94 @@ def test_bad_laws(wheel):
         run(wheel, rr.drive.PID(GOAL, kp=(1, 2)))
     with pytest.raises(rr.GaitError, match="seed is -1"):
         rr.drive.RandomTorques(0.1, sample_time=0.1, seed=-1)
+
+
+class Naive:
+    """What everybody writes first: an integral by the time since the last call."""
+
+    def __init__(self):
+        self.sum, self.last, self.calls = 0.0, 0.0, 0
+
+    def __call__(self, state):
+        self.calls += 1
+        error = GOAL - state.leg_angle[0]
+        self.sum += error * (state.time - self.last)
+        self.last = state.time
+        return np.array([KP * error + KI * self.sum - KD * state.leg_rate[0]])
+
+
+class Zero(Naive):
+    """Holds its output for 10 ms by itself."""
+
+    next, out = 0.0, np.zeros(1)
+
+    def __call__(self, state):
+        if state.time >= self.next - 1e-12:
+            self.out, self.next = super().__call__(state), self.next + 0.01
+        return self.out
+
+
+class Filtered(rr.drive.TorqueLaw):
+    """A law of the house that keeps a filter's output in itself instead of in its memory."""
+
+    seen = 0.0
+
+    def torque(self, state, memory):
+        self.seen += 0.01 * (state.leg_angle[0] - self.seen)
+        return [KP * (GOAL - self.seen)]
+
+
+class Late(Naive):
+    """Remembers only from 0.5 s on."""
+
+    def __call__(self, state):
+        early = [KP * (GOAL - state.leg_angle[0])]
+        return early if state.time < 0.5 else super().__call__(state)
+
+
+@pytest.mark.parametrize(
+    "law", [Naive(), Zero(), Filtered(), Late()], ids=lambda x: type(x).__name__
+)
+@pytest.mark.parametrize("options", [{}, {"step": 0.01}], ids=["adaptive", "fixed"])
+def test_a_law_that_remembers_in_itself_is_refused(wheel, law, options):
+    with pytest.raises(rr.GaitError, match=r"remembers: asked twice .* give sample_time="):
+        run(wheel, law, **options)
+
+
+def test_a_law_that_remembers_is_right_with_a_sample_time(wheel):
+    """The advice of the refusal, against the equation of the sampled law."""
+    drive = rr.LegTorques(Naive(), angle=(0.0,), feedback=True, sample_time=0.01)
+    t = rr.simulate(wheel, drive, 2.0, start="rest")
+    assert np.abs(t.leg_angle[:, 0] - sampled_reference(200, 0.0)[0]).max() < 1e-9
+
+
+def test_a_law_may_count_its_calls_and_may_not_write_what_it_sees(wheel):
+    calls = []
+
+    def counts(state):
+        calls.append(state.time)
+        return [KP * (GOAL - state.leg_angle[0])]
+
+    plain = run(wheel, lambda s: [KP * (GOAL - s.leg_angle[0])], 0.5)
+    np.testing.assert_array_equal(run(wheel, counts, 0.5).leg_angle, plain.leg_angle)
+    assert len(calls) > 100
+
+    def writes(state):
+        error = state.leg_angle
+        error -= GOAL
+        return -KP * error
+
+    with pytest.raises(ValueError, match="read-only"):
+        run(wheel, writes)
+
+
+def test_a_gait_that_remembers_is_refused():
+    class Ramp:
+        angle = 0.0
+
+        def __call__(self, time):
+            self.angle += 1e-6
+            return [self.angle], [0.0], [0.0]
+
+    with pytest.raises(rr.GaitError, match="depend on the time alone"):
+        rr.CallableGait(Ramp(), n_legs=1)

@@ -18,7 +18,8 @@ from rrrobot.drive.torques import LegTorques
 from rrrobot.models.full import FullModel
 from rrrobot.robot.robot import Robot
 from rrrobot.rotations import euler_rates
-from rrrobot.simulation.flow import Evolution, Flow, seen_at
+from rrrobot.simulation.flow import Evolution, Flow
+from rrrobot.simulation.memory import seen_at
 from rrrobot.simulation.trajectory import Trajectory
 
 

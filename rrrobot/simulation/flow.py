@@ -25,7 +25,7 @@ from rrrobot.models.recombined import NEEDS_GAIT, DecoupledModels
 from rrrobot.models.terms import Dynamics, Placement
 from rrrobot.simulation.effort import Effort
 from rrrobot.simulation.events import Event, Hit, Lookout, Snapshot
-from rrrobot.simulation.memory import Recall
+from rrrobot.simulation.memory import Recall, seen_at
 from rrrobot.simulation.state import State
 from rrrobot.simulation.track import Track
 
@@ -209,6 +209,8 @@ class Flow:
         track = Track(self.model, state.euler, times.size, recall)
         effort = Effort(self, times, progress)
         result, lane, hits = self._run(state, times, recall, track, tuple(events), effort)
+        if recall is not None and (fault := recall.asked.ended()) is not None:
+            raise GaitError(fault)
         n = len(result.states)
         memory = np.empty((n, 0)) if recall is None else track.memory(n, result.states, self.size)
         final = replace(
@@ -275,7 +277,7 @@ class Flow:
         place = model.place(pose)
         seen = seen_at(model, time, place, quasi, rest)
         memory = recall.now(y)
-        solution = self.torque_driven(place, seen, quasi, recall.law, memory)
+        solution = self.torque_driven(place, seen, quasi, recall.asked, memory)
         return np.concatenate(
             (
                 model.pose_rate(place, pose, quasi),
@@ -312,13 +314,6 @@ class Flow:
             return self.torque_driven(place, seen, quasi, recall.law, recall.now(y))
 
         return Snapshot(self.model, time, y[: self.size], solve)
-
-
-def seen_at(model: Model, time: float, place: Placement, quasi: Array, legs: Array) -> MotionState:
-    """What a torque law sees."""
-    angle, rate = legs[: model.n_legs], legs[model.n_legs :]
-    omega = model.body_velocity(place, quasi)
-    return MotionState(time, place.rotation, omega, place.position, angle, rate)
 
 
 def _start_velocity(

@@ -6,9 +6,11 @@ import numpy as np
 
 from rrrobot.checks import Array, vector
 from rrrobot.drive.laws import Memory, MotionState
+from rrrobot.drive.repeated import Repeatable
 from rrrobot.drive.torques import LegTorques
 from rrrobot.errors import GaitError
 from rrrobot.models.base import Model
+from rrrobot.models.terms import Placement
 from rrrobot.simulation.state import State
 
 
@@ -17,6 +19,7 @@ class Recall:
 
     Attributes:
         law: the run's own copy.
+        asked: the same, refused if it answers the same question differently.
         held: memory that changes at the instants only (k,).
     """
 
@@ -41,6 +44,7 @@ class Recall:
                 )
         law = state.law if self.goes_on and state.law is not None else drive.law
         self.law = law.fresh()
+        self.asked = Repeatable(self.law, drive.name)
         self.clocks = self.law.clocks
         self.continuous, self.held = memory
 
@@ -79,12 +83,18 @@ class Recall:
     def _tick(self, time: float, y: Array, clock: int) -> Array:
         model = self.model
         pose, quasi, legs = model.split(y[: self.size])
-        place = model.place(pose)
-        angle, rate = legs[: model.n_legs], legs[model.n_legs :]
-        omega = model.body_velocity(place, quasi)
-        seen = MotionState(time, place.rotation, omega, place.position, angle, rate)
+        seen = seen_at(model, time, model.place(pose), quasi, legs)
         after = self.law.tick(seen, self.now(y), clock, self.clocks[clock].last(time))
         sizes = y.size - self.size, self.held.size
         continuous = vector("continuous memory", after.continuous, sizes[0], error=GaitError)
         self.held = vector("held memory", after.held, sizes[1], error=GaitError)
         return np.concatenate((y[: self.size], continuous))
+
+
+def seen_at(model: Model, time: float, place: Placement, quasi: Array, legs: Array) -> MotionState:
+    """What a torque law sees: copies that cannot be written."""
+    n, omega = model.n_legs, model.body_velocity(place, quasi)
+    parts = [np.array(part) for part in (place.rotation, omega, place.position, legs[:n], legs[n:])]
+    for part in parts:
+        part.flags.writeable = False
+    return MotionState(time, *parts)

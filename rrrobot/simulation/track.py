@@ -38,6 +38,8 @@ class Track:
 
     def stepped(self, y: Array) -> str | None:
         self.y = y
+        if self._recall is not None and (fault := self._recall.asked.stepped()) is not None:
+            return fault
         pose = y[: self.model.n_pose]
         self.last = self.model.turned(pose[None], self.last)[0]
         if self.model.singular_at_vertical:

@@ -83,8 +83,17 @@ class CallableGait(Gait):
 
     def _check(self, start: float, stop: float) -> None:
         step = 1e-3 * (stop - start) / 10
-        for t in np.linspace(start + step, stop - step, 23):
+        times = np.linspace(start + step, stop - step, 23)
+        first = [self._one(t) for t in times]
+        for t, earlier in zip(times, first, strict=True):
             before, here, after = self._one(t - step), self._one(t), self._one(t + step)
+            if any(np.any(np.abs(a - b) > 1e-9) for a, b in zip(earlier, here, strict=True)):
+                raise GaitError(
+                    f"gait {self.name!r} remembers: asked twice for t = {t:.4g} s it gave the "
+                    f"angles {earlier.angle.tolist()} and then {here.angle.tolist()}, or other "
+                    "rates. It is asked back and forth in time, so it must depend on the time "
+                    "alone."
+                )
             for given, low, high, what in (
                 (here.rate, before.angle, after.angle, "rate"),
                 (here.acceleration, before.rate, after.rate, "acceleration"),
