@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import asin, atan2, cos, sin
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from rrrobot.checks import Array
 
@@ -154,3 +154,25 @@ def euler_rates(euler: ArrayLike, omega_body: ArrayLike) -> Array:
         ),
         axis=-1,
     )
+
+
+def turns_over(up: Array, turn: ArrayLike) -> NDArray[np.bool_]:
+    """Whether bodies turn over in a cycle, so that Euler angles are no heading and no swing.
+
+    A body that rolls over comes back with a yaw that counts whole turns of the body beside its
+    heading, or with a roll of whole turns, or leaps past the vertical: exactly one of these shows.
+
+    Args:
+        up: vertical in the body frame at instants of a whole cycle (..., n, 3).
+        turn: by how much the continuous yaw grows in the cycle (...) [rad].
+
+    Returns:
+        booleans (...).
+    """
+    roll = np.arctan2(up[..., 1], up[..., 2])
+    leaps = np.diff(roll, axis=-1, append=roll[..., :1])
+    leaps -= 2 * np.pi * np.round(leaps / (2 * np.pi))
+    wound = np.abs(leaps.sum(axis=-1)) > np.pi
+    leaps = np.abs(leaps).max(axis=-1) > np.pi / 2
+    wide = np.einsum("...ik,...jk->...ij", up, up).min(axis=(-1, -2)) < 0.0
+    return np.asarray(wound | leaps | (wide & (np.abs(turn) >= np.pi)))

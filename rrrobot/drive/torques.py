@@ -29,10 +29,10 @@ class LegTorques:
 
     Without a sample time the function is called at every stage of every step, back and forth in
     time, and at the samples again after the run: it must depend on its argument alone. One that
-    answers an old question differently later is refused while simulating. A controller that remembers (an integral, a filter, a delay) has a sample
-    time, or is a `TorqueLaw`, which says what it remembers; both are right to the integrator's
-    tolerance. An object with a sample time may keep its memory in itself: every run calls a copy
-    of it, so that each starts alike.
+    later answers an old question differently is refused. A controller that remembers (an integral,
+    a filter, a delay) has a sample time, or is a `TorqueLaw`, which says what it remembers; both
+    are right to the integrator's tolerance. An object with a sample time may keep its memory in
+    itself: every run calls a copy of it, so that each starts alike.
 
     Raises:
         GaitError: wrong sizes, values that are not finite (while simulating too, with the time); a

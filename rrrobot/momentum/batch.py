@@ -14,7 +14,18 @@ from rrrobot.momentum.compiled import borrowed, compiled, in_cache
 from rrrobot.momentum.extremes import LOADS as ALL_LOADS
 from rrrobot.momentum.extremes import evaluate, extremes
 from rrrobot.momentum.interpolation import interpolation, spline_matrix
-from rrrobot.momentum.kernels import ANY, BLOCK, DECOUPLED, N_STAGES, N_STATE, NODES, OK, step
+from rrrobot.momentum.kernels import (
+    ANY,
+    BLOCK,
+    DECOUPLED,
+    LIFT_OFF,
+    N_STAGES,
+    N_STATE,
+    NODES,
+    OK,
+    TURNS_OVER,
+    step,
+)  # fmt: skip
 from rrrobot.momentum.lane import scratch
 from rrrobot.momentum.lowering import Setting, decoupled_setting, lower
 from rrrobot.momentum.normal import N_ANY_MOTION
@@ -22,10 +33,11 @@ from rrrobot.momentum.settle import settle
 from rrrobot.momentum.summary import N_MOTION, N_RESULT, RESULT, ROWS_PER_STEP
 from rrrobot.momentum.vertical import pitch_of
 from rrrobot.momentum.work import FourierGaits, work_of
+from rrrobot.rotations import turns_over
 
 LOADS = ("friction", "rms_torque", "peak_torque", "power")
 """Further entries of a lane's steady state, on request; see `extremes.LOADS`."""
-_STATUS = RESULT.index("status")
+_STATUS, _YAW_RATE = RESULT.index("status"), RESULT.index("yaw_rate")
 
 __all__ = [
     "LOADS",
@@ -176,13 +188,13 @@ def steady_states(
     """
     yaw = None if yaw_amplitude is None else gaits._replace(amplitude=yaw_amplitude)
     each, legs = np.full(len(gaits.offset), cycles), fourier(gaits)
-    moves = loads and setting.axis != DECOUPLED
+    moves = setting.axis != DECOUPLED
     found = settled(
         setting, legs, cycles=each, counted=counted, steps=steps_per_cycle, motion=moves,
         yaw=None if yaw is None else fourier(yaw),
     )  # fmt: skip
     out = found.results
-    if moves:
+    if moves and loads:
         chosen = [ALL_LOADS.index(name) for name in LOADS]
         out = np.column_stack((out, extremes(setting, legs, found.motion)[:, chosen]))
     elif loads:
@@ -208,7 +220,8 @@ def settled(
     a lane that lifts off keeps its numbers here.
 
     Args:
-        motion: whether to keep that of the last cycle.
+        motion: whether to keep that of the last cycle, by which bodies that turn over are known
+            (status TURNS_OVER); not for decoupled models, whose bodies cannot.
     """
     n, steps = len(gaits.offset), steps * setting.fineness
     width = N_ANY_MOTION if setting.axis == ANY else N_MOTION
@@ -223,6 +236,11 @@ def settled(
         _turns(steps, harmonics), slope_of, value_of, work_of(setting, harmonics, counted, steps),
         found.motion, found.pitch, found.results,
     )  # fmt: skip
+    if motion and setting.axis != DECOUPLED:
+        status = found.results[:, _STATUS]
+        turn = found.results[:, _YAW_RATE] * 2 * np.pi / gaits.angular_frequency
+        goes_on = (status == OK) | (status == LIFT_OFF)
+        status[goes_on & turns_over(found.motion[:, :, :3], turn)] = TURNS_OVER
     return found._replace(pitch=pitch_of(found.pitch))
 
 

@@ -39,10 +39,11 @@ _NODE = np.searchsorted(NODES, DOP853.C[:N_STAGES])
 ANY, DECOUPLED = -2, 3
 """The `axis` of a body that rolls with any shell on any ground, and of three single-axis models
 that share a path; -1 is all axes of a sphere on level ground or a pivot."""
-OK, VERTICAL, NOT_FINITE, LIFT_OFF, GROUND_END, TIGHT = 0, 1, 2, 3, 4, 5
+OK, VERTICAL, NOT_FINITE, LIFT_OFF, GROUND_END, TIGHT, TURNS_OVER = 0, 1, 2, 3, 4, 5, 8
 """Why a lane has no steady state: it has one; a pitch of +-90 degrees; a number that is not finite;
 the settled motion would lift off the ground; the contact came to a boulder's equator, a belly's
-edge or a graph's last cell; the ground curves tighter than the shell, which touches it twice."""
+edge or a graph's last cell; the ground curves tighter than the shell, which touches it twice; the
+body turns over, so that its angles are no heading. 6 and 7 are for orbits."""
 
 
 _FOUR = 4

@@ -34,7 +34,8 @@ class LimitCycle:
             `SteadyState` has them.
         mean: of roll, pitch, yaw over the cycle (3,) [rad].
         displacement: of the contact point in the cycle (2,) [m].
-        turn: of the yaw in the cycle [rad].
+        turn: of the yaw in the cycle [rad]. Of a body that turns over it is known up to whole
+            turns, and what rests on Euler angles (velocity, amplitude, phase, mean) is NaN.
         multipliers: Floquet multipliers of tilt and momentum over the period, complex, largest
             first; a deviation is multiplied by them in each period.
         normal_force: least over the cycle [N]; NaN for decoupled models.

@@ -17,7 +17,7 @@ from rrrobot.checks import Array
 from rrrobot.momentum.batch import LOADS, RESULT, FourierGaits, Gaits, Setting, fourier
 from rrrobot.momentum.extremes import LOADS as ALL_LOADS
 from rrrobot.momentum.extremes import extremes
-from rrrobot.momentum.kernels import DECOUPLED, LIFT_OFF, NOT_FINITE, OK, VERTICAL
+from rrrobot.momentum.kernels import DECOUPLED, LIFT_OFF, NOT_FINITE, OK, TURNS_OVER, VERTICAL
 from rrrobot.momentum.returns import carry, cycles_of
 from rrrobot.orbits.measures import look, measures
 from rrrobot.orbits.newton import (
@@ -245,6 +245,7 @@ def _described(
     if stability:
         status[~(largest <= _SLOWEST)] = UNSTABLE
     status[m.pitch > setting.limit] = VERTICAL
+    status[m.tumbles] = TURNS_OVER
     status[~found] = np.where(np.isfinite(roots.residual[~found]), NO_ORBIT, NOT_FINITE)
     columns = np.column_stack(
         (m.speed, m.velocity, m.yaw_rate, m.amplitude, m.phase, m.mean, roots.residual,

@@ -13,10 +13,12 @@ from functools import cache
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.momentum.kernels import ANY, DECOUPLED
 from rrrobot.momentum.returns import Cycles, Seen, seen
+from rrrobot.rotations import turns_over
 
 _FINER = 8
 
@@ -44,6 +46,9 @@ class Measures(NamedTuple):
     """largest |sin pitch| (n,)"""
     normal_force: Array
     """least (n,) [N]; NaN if decoupled"""
+    tumbles: NDArray[np.bool_]
+    """whether the body turns over, so that the turn is known up to whole turns and what rests on
+    Euler angles (velocity, amplitude, phase, mean) is NaN (n,)"""
 
 
 def look(cycles: Cycles, y: Array, periods: int = 1) -> Seen:
@@ -60,6 +65,8 @@ def measures(cycles: Cycles, sight: Seen, periods: int = 1) -> Measures:
     """Measures of orbits from a look at their period."""
     period = periods * cycles.period
     turn, d = sight.end[:, 9], sight.end[:, 7:9]
+    tumbles = turns_over(sight.motion[:, :, :3], turn)
+    turn = np.where(tumbles, turn - 2 * np.pi * np.round(turn / (2 * np.pi)), turn)
     mean = sight.areas / period[:, None]
     c, s = np.cos(turn), np.sin(turn)
     m = mean[:, :2]
@@ -89,9 +96,12 @@ def measures(cycles: Cycles, sight: Seen, periods: int = 1) -> Measures:
             force = (rate + sight.push @ value.T).min(axis=1)
         else:
             force = setting.parameters[0] * setting.parameters[3] + rate.min(axis=1)
+    amplitude, phases = np.hypot(sine, cosine), np.arctan2(cosine, sine)
+    for array in (velocity, amplitude, phases, level):
+        array[tumbles] = np.nan
     return Measures(
-        np.hypot(step[:, 0], step[:, 1]), velocity, turn / period, np.hypot(sine, cosine),
-        np.arctan2(cosine, sine), level, d, turn, pitch, force,
+        np.hypot(step[:, 0], step[:, 1]), velocity, turn / period, amplitude, phases, level, d,
+        turn, pitch, force, tumbles,
     )  # fmt: skip
 
 

@@ -7,9 +7,10 @@ the mean of a quantity over cycle i,
     yaw rate   alpha = mean of (m_{i+1} - m_i) / T      of the yaw angle
     curvature  K     = alpha / v
 
-Where the body tumbles, its pitch passes the vertical and Euler angles are no heading: alpha is then
-the rate at which the path turns, that of the direction of m_{i+1} - m_i, and what rests on Euler
-angles (velocity, amplitude, phase, mean) is NaN.
+Where the body turns over, Euler angles are no heading: alpha is then the rate at which the path
+turns, that of the direction of m_{i+1} - m_i, or where that is not defined that of the body's net
+rotation in a cycle, if it is about the vertical; both up to whole turns in a cycle. What rests on
+Euler angles (velocity, amplitude, phase, mean) is NaN.
 
 Means are exact integrals of a quintic spline through the samples.
 """
@@ -17,7 +18,7 @@ Means are exact integrals of a quintic spline through the samples.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
@@ -25,6 +26,7 @@ import numpy as np
 from rrrobot.checks import Array, finite
 from rrrobot.errors import ParameterError
 from rrrobot.inline import html_table
+from rrrobot.rotations import quaternion_from_euler, turns_over
 
 
 class Motion(Protocol):
@@ -49,8 +51,11 @@ class Motion(Protocol):
 
 MIN_SAMPLES_PER_CYCLE = 24
 _HARMONIC_POINTS = 128
-_STEEP = 0.02
-"""Cosine of the pitch below which a body is taken to tumble."""
+_STEEP = 0.5 * np.pi - 0.02
+"""Pitch above which a body is taken to tumble [rad]."""
+_SPREAD = 0.05
+"""Angle by which the rotations of single cycles may differ from a common one about z [rad]."""
+_MOST_SAMPLES = 4000
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -73,7 +78,11 @@ class SteadyState:
         cycles: number of counted cycles.
         variation: largest deviation of one cycle's step from the mean step, over the mean step
             (or over 1 um if that is more). Small means settled.
-        tumbles: whether the body passes the vertical, so that Euler angles say nothing.
+        net_rotation: of a cycle, R_world_body after it times its inverse before it, as a rotation
+            vector in the world (3,) [rad]; about z for a motion that repeats. With the step of the
+            contact point it is the screw of the cycle. The mean over the counted cycles.
+        tumbles: whether the body turns over, so that Euler angles say nothing; `reason` says what
+            is NaN for it.
 
     Example:
         >>> import rrrobot as rr
@@ -93,6 +102,7 @@ class SteadyState:
     start: float
     cycles: int
     variation: float
+    net_rotation: Array = field(default_factory=lambda: np.full(3, np.nan))
     tumbles: bool = False
 
     @property
@@ -103,13 +113,26 @@ class SteadyState:
         return math.copysign(math.inf, self.yaw_rate) if abs(self.yaw_rate) > 1e-12 else 0.0
 
     @property
+    def reason(self) -> str | None:
+        """Why some of the numbers are NaN; None if none is."""
+        if not self.tumbles:
+            return None
+        told = (
+            "the body turns over, so that Euler angles are no heading: velocity, amplitude, phase "
+            "and mean are NaN, and the yaw rate is that of the path"
+        )
+        if math.isnan(self.yaw_rate):
+            told += ", which is NaN too, as the path says none (fewer than 3 cycles, or no way)"
+        return f"{told}."
+
+    @property
     def pitch_yaw_phase_difference(self) -> float:
         """Phase of the pitch minus that of the yaw, in (-pi, pi] [rad]."""
         return float(-((self.phase[2] - self.phase[1] + np.pi) % (2 * np.pi) - np.pi))
 
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain data, for JSON."""
-        data = asdict(self) | {"curvature": self.curvature}
+        data = asdict(self) | {"curvature": self.curvature, "reason": self.reason}
         return {key: _plain(value) for key, value in data.items()}
 
     def _repr_html_(self) -> str:
@@ -179,7 +202,7 @@ def steady_state(
     motion = np.column_stack((trajectory.position, trajectory.euler))
     inside = np.flatnonzero(time >= start - 8 * spacing)
     spline = make_interp_spline(time[inside], motion[inside], k=5)
-    edges = start + period * np.arange(cycles + 1)
+    edges: Array = start + period * np.arange(cycles + 1, dtype=np.float64)
     means = np.diff(spline.antiderivative()(edges), axis=0) / period
     steps = np.diff(means, axis=0) / period
     lengths = np.linalg.norm(steps[:, :2], axis=1)
@@ -194,15 +217,16 @@ def steady_state(
     sine, cosine = (2 * (f(omega * grid) @ angles) / grid.size for f in (np.sin, np.cos))
     mean = means.mean(axis=0)[2:]
 
-    steep = np.abs(np.cos(trajectory.euler[time >= start, 1])).min()
-    # The pitch of a body that tumbles comes within its step of the vertical in every turn.
-    tumbles = bool(steep < _STEEP) or bool(np.any(np.abs(trajectory.euler[:, 1]) > np.pi / 2))
-    if tumbles:
+    net, upright = _net_rotation(time, trajectory.euler, edges)
+    if _tumbles(trajectory.euler, time, edges, float(drift[4]) * period):
         nothing = np.full(3, np.nan)
+        turn = _turn(steps[:, :2], lengths)
+        if math.isnan(turn) and upright:
+            turn = float(net[2])
         return SteadyState(
             speed=speed,
             velocity=nothing[:2],
-            yaw_rate=_turn(steps[:, :2], lengths) / period,
+            yaw_rate=turn / period,
             amplitude=nothing,
             phase=nothing,
             mean=nothing,
@@ -210,6 +234,7 @@ def steady_state(
             start=start,
             cycles=cycles,
             variation=float(np.abs(lengths - speed).max() / floor),
+            net_rotation=net,
             tumbles=True,
         )
     heading = means[:, 4]
@@ -232,7 +257,43 @@ def steady_state(
         start=start,
         cycles=cycles,
         variation=float(np.abs(lengths - speed).max() / floor),
+        net_rotation=net,
     )
+
+
+def _tumbles(euler: Array, time: Array, edges: Array, turn: float) -> bool:
+    """Whether the body turns over in the counted cycles; `turn` is the yaw of one [rad]."""
+    counted = euler[(time >= edges[0] - 1e-9) & (time <= edges[-1] + 1e-9)]
+    if bool(np.any(np.abs(counted[:, 1]) > _STEEP)):
+        return True
+    # Few samples of each cycle are enough, and all cycles count: a body may turn over slowly.
+    if abs(counted[-1, 0] - counted[0, 0]) >= np.pi:
+        return True
+    return bool(turns_over(_up(counted[:_MOST_SAMPLES]), turn))
+
+
+def _up(euler: Array) -> Array:
+    """Vertical in the body frame (n, 3)."""
+    (sr, sp, _), (cr, cp, _) = np.sin(euler).T, np.cos(euler).T
+    return np.column_stack((-sp, sr * cp, cr * cp))
+
+
+def _net_rotation(time: Array, euler: Array, edges: Array) -> tuple[Array, bool]:
+    """Mean rotation vector of a cycle in the world (3,) [rad], and whether each is this, about z.
+
+    R_world_body after the cycle times its inverse before it.
+    """
+    from scipy.interpolate import make_interp_spline
+    from scipy.spatial.transform import Rotation
+
+    quaternion = quaternion_from_euler(euler)
+    flips = np.cumprod(np.where(np.sum(quaternion[1:] * quaternion[:-1], axis=1) < 0, -1.0, 1.0))
+    quaternion[1:] *= flips[:, None]
+    at = Rotation.from_quat(make_interp_spline(time, quaternion, k=5)(edges))
+    net = at[1:] * at[:-1].inv()
+    vectors = net.mean().as_rotvec()
+    spread = float((net * Rotation.from_rotvec(vectors).inv()).magnitude().max())
+    return vectors, max(spread, float(np.hypot(vectors[0], vectors[1]))) < _SPREAD
 
 
 def _turn(steps: Array, lengths: Array) -> float:

@@ -39,6 +39,7 @@ STATUS = {
     5: "touches_twice",
     6: "orbit_unstable",
     7: "no_orbit_found",
+    8: "turns_over",
 }
 """What the numbers of the variable `status` mean; results are NaN unless it is 0."""
 
