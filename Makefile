@@ -30,6 +30,7 @@ benchmark: .venv/.bench  ## speed and peers; writes benchmarks/results and docs/
 	$(BIN)/python -m benchmarks.engine
 	$(BIN)/python -m benchmarks.peers
 	$(BIN)/python -m benchmarks.simulators
+	$(BIN)/python -m benchmarks.machines
 	$(BIN)/python -m benchmarks.report
 
 docs: .venv/.docs  ## the documentation site in out/site, from docs/ and the docstrings; no network

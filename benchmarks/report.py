@@ -10,13 +10,14 @@ import json
 from pathlib import Path
 
 from benchmarks.common import RESULTS, ROOT
+from benchmarks.machines import machines_page
 from benchmarks.report_peers import peers_page
 from benchmarks.report_readme import readme_block, replaced
 from benchmarks.report_simulators import simulators_page
 from benchmarks.tables import Record, machine, number, prose, seconds, table
 
 PAGE, README = ROOT / "docs" / "benchmarks.md", ROOT / "README.md"
-FILES = ("engine", "peers", "simulators")
+FILES = ("engine", "peers", "simulators", "machines")
 HEAD = """\
 # Benchmarks
 
@@ -28,6 +29,7 @@ pip install -e '.[dev,bench]'
 python -m benchmarks.engine
 python -m benchmarks.peers
 python -m benchmarks.simulators
+python -m benchmarks.machines
 python -m benchmarks.report
 ```
 
@@ -106,6 +108,7 @@ def page(folder: Path) -> str:
         engine_page(records["engine"]),
         peers_page(records["peers"]),
         simulators_page(records["simulators"]),
+        machines_page(records["machines"]),
     )
     return "\n".join((HEAD, *parts))
 

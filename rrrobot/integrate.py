@@ -51,6 +51,9 @@ class Jumps(Protocol):
         """The state (ny,) after the instant."""
 
 
+Correct = Callable[[float, Array], None]
+"""(time [s], state (ny,)): changes the state in place."""
+
 Dense = Callable[[Array], Array]
 """States (n, ny) within a step at times (n,) [s]."""
 
@@ -120,16 +123,18 @@ def integrate(
     jumps: Jumps | None = None,
     watch: Watch | None = None,
     progress: Progress | None = None,
+    correct: Correct | None = None,
 ) -> Integration:
     """Integrate dy/dt = rate(t, y) from times[0] to times[-1].
 
     Fixed steps end at the whole multiples of the step, so a run that is cut in two at one of them
     takes the same steps. No step goes over an instant of `jumps`; a sample at the instant is the
-    state after it. Stops, and says why, when the observer asks, when a value is not finite, when
-    `rate` raises a GaitError or ConstraintError, and on Ctrl-C; the samples up to then are
-    returned.
+    state after it. `correct` changes the state after each step, and each sample, in place, as back
+    onto constraints from which it drifted. Stops, and says why, when the observer asks, when a
+    value is not finite, when `rate` raises a GaitError or ConstraintError, and on Ctrl-C; the
+    samples up to then are returned.
     """
-    run = _Run(rate, y0, times, stepping.checked(), observer, jumps, watch, progress)
+    run = _Run(rate, y0, times, stepping.checked(), observer, jumps, watch, progress, correct)
     stop, interrupted = None, False
     try:
         run.begin()
@@ -157,7 +162,9 @@ class _Run:
         jumps: Jumps | None,
         watch: Watch | None,
         progress: Progress | None,
+        correct: Correct | None,
     ) -> None:
+        self.correct = correct
         self.rate, self.times, self.stepping = rate, times, stepping
         self.observer, self.jumps, self.watch, self.progress = observer, jumps, watch, progress
         self.now, self.end, self.y = float(times[0]), float(times[-1]), y0
@@ -217,6 +224,9 @@ class _Run:
             solver.h_abs = max(solver.h_abs, usual)
             after = self.now + _SAME_TIME * (self.now - start)
             self._fill(after, lambda t: np.tile(self.y, (t.size, 1)))
+        if self.correct is not None:
+            self.correct(self.now, solver.y)
+            solver.f = solver.fun(solver.t, solver.y)
         stop = self.observer.stepped(self.y) if self.observer is not None else None
         if self.progress is not None:
             self.progress(self.now)
@@ -227,6 +237,9 @@ class _Run:
         reached = int(np.searchsorted(self.times, until, side="right"))
         if reached > self.filled:
             self.states[self.filled : reached] = values(self.times[self.filled : reached])
+            if self.correct is not None and self.solver is not None:
+                for i in range(self.filled, reached):
+                    self.correct(float(self.times[i]), self.states[i])
             if self.observer is not None:
                 self.observer.sampled(self.filled, self.states[self.filled : reached])
             self.filled = reached

@@ -294,7 +294,7 @@ def test_planar_satellite():
 def test_the_cat_turns_over(beta, turn):
     for parts in ({}, {"m": 3.0, "d": 0.1}):
         cat = rr.machines.falling_cat(beta=beta, **parts)
-        t = cat.simulate(cat.gaits["roll"], 3.0, sample_interval=0.5)
+        t = cat.simulate(cat.gaits["roll"], 3.0, sample_interval=0.5, rtol=1e-12)
         R = matrix(t.quaternion[-1])
         # About its spine, the x axis, which comes back.
         np.testing.assert_allclose(R[:, 0], (1, 0, 0), atol=1e-9)
@@ -336,3 +336,29 @@ def test_submarine_is_moved_by_the_fluid():
     t = boat.simulate(boat.gaits["circle"], 2 * np.pi, sample_interval=0.5)
     close(t.pose[-1, :3], (2.880993462e-05, 0.0008228075559, -5.891875e-07), atol=1e-11)
     close(t.rotation_vector[-1], (-0.001431554186, 0, -0.06999975767))
+
+
+@pytest.mark.parametrize("name", ["rattleback", "chaplygin_sphere", "routh_sphere"])
+def test_a_lone_body_rolls_alike_by_both_methods(name):
+    parts = {"rattleback": {"sigma": 1e-4}}
+    body = rr.machines.by_name(name, **parts.get(name, {}))
+    start = dict(pose=body.at(rpy(0.05, -0.03, 0.4), (0.1, -0.2)), start=(0.3, -0.2, 4.0))
+    kkt = body.simulate(None, 0.3, method="kkt", rtol=1e-13, atol=1e-13, **start)
+    fast = body.simulate(None, 0.3, method="momentum", **start)
+    np.testing.assert_allclose(fast.states, kkt.states, atol=2e-9)
+    np.testing.assert_allclose(fast.multipliers["contact"], kkt.multipliers["contact"], atol=1e-6)
+    assert fast.violation.max() < 1e-14
+
+
+def test_methods_are_refused_where_they_do_not_fit():
+    with pytest.raises(rr.ModelError, match="for a lone ball or ellipsoid on a plane"):
+        rr.machines.rolling_disc().simulate(None, 1.0, method="momentum")
+    with pytest.raises(rr.ParameterError, match="must be 'kkt' or 'momentum'"):
+        rr.machines.rattleback().simulate(None, 1.0, method="fast")
+
+
+def test_twenty_seconds_of_a_rattleback_keep_their_energy():
+    stone = rr.machines.rattleback()
+    half = np.deg2rad(0.5)
+    t = stone.simulate(None, 20.0, pose=stone.at(zxy(0, half, -half)), start=(0, 0, 5.0))
+    assert np.abs(t.energy / t.energy[0] - 1).max() < 1e-10

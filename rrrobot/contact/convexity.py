@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.contact.surfaces import Surface
+from rrrobot.contact.surfaces import Ellipsoid, Surface
 from rrrobot.errors import ShellError
 
 _DIRECTIONS = 400
@@ -24,6 +24,9 @@ def radii_range(surface: Surface, directions: int = _DIRECTIONS) -> tuple[float,
         >>> round(low, 4), round(high, 4)  # b^2 / a and a^2 / b
         (0.05, 0.4)
     """
+    if type(surface) is Ellipsoid:
+        shortest, *_, longest = sorted(surface.semi_axes)
+        return shortest**2 / longest, longest**2 / shortest
     spread = sphere_directions(directions)
     radii = np.array([surface.principal_radii(u) for u in spread])
     low = _polished(surface, spread[np.argmin(radii[:, 0])], 0, 1.0)[1]

@@ -20,6 +20,7 @@ from rrrobot.checks import Array, finite, vector
 from rrrobot.contact.surfaces import Surface
 from rrrobot.errors import ParameterError
 from rrrobot.integrate import Stepping, integrate
+from rrrobot.rotations import skew
 
 
 def contact_velocity(
@@ -52,7 +53,7 @@ def contact_velocity(
         [0.24, 0.0, 0.0]
     """
     hessian = rotation @ surface.hessian(-rotation.T @ normal) @ rotation.T
-    along = hessian @ np.cross(omega_world, normal)
+    along = hessian @ skew(omega_world) @ normal
     if curvature is None:
         return along
     return np.asarray(np.linalg.solve(np.eye(3) + hessian @ curvature, along))

@@ -15,10 +15,10 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
+from math import sqrt
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from rrrobot import serial
 from rrrobot.checks import Array, finite, vector
@@ -155,10 +155,12 @@ class Ellipsoid(Surface):
         if not np.all(axes > 0):
             raise ParameterError(f"semi_axes is {axes.tolist()} m: each must be above zero.")
         object.__setattr__(self, "semi_axes", tuple(axes.tolist()))
+        object.__setattr__(self, "_squares", axes**2)
+        object.__setattr__(self, "_square", np.diag(axes**2))
 
-    def _scaled(self, u: ArrayLike) -> tuple[Array, float]:
-        scaled = np.square(np.asarray(self.semi_axes)) * np.asarray(u, dtype=float)
-        return scaled, float(np.sqrt(scaled @ np.asarray(u)))
+    def _scaled(self, u: Array) -> tuple[Array, float]:
+        scaled = self._squares * u  # type: ignore[attr-defined]
+        return scaled, sqrt(scaled @ u)
 
     def support(self, u: Array) -> float:
         return self._scaled(u)[1]
@@ -169,10 +171,10 @@ class Ellipsoid(Surface):
 
     def hessian(self, u: Array) -> Array:
         scaled, h = self._scaled(u)
-        return np.diag(np.square(self.semi_axes)) / h - np.outer(scaled, scaled) / h**3
+        return self._square / h - scaled[:, None] * (scaled / h**3)  # type: ignore[attr-defined]
 
     def ellipsoids(self) -> Array:
-        return np.asarray(np.diag(np.square(self.semi_axes))[None])
+        return np.array(self._square[None])  # type: ignore[attr-defined]
 
     def to_dict(self) -> dict[str, Any]:
         return {"type": "ellipsoid", "semi_axes": list(self.semi_axes)}

@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import LegMotion
-
-if TYPE_CHECKING:
-    from rrrobot.machines.machine import Machine
+from rrrobot.machines.mechanism import MachineDynamics, Mechanism
+from rrrobot.machines.tree import Tree
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class History:
     """A machine's motion at n times.
 
+    Forces, energy and violation are computed when they are first asked for.
+
     Attributes:
+        name: of the machine; `tree`: its links and joints; `model`: its equations.
         time: (n,) [s].
         pose: (x, y, theta) (n, 3) in the plane, theta counting full turns; position and quaternion
             (x, y, z, w) (n, 7) in space.
@@ -33,7 +36,8 @@ class History:
         energy: kinetic and potential (n,) [J].
         violation: the largest of |J v - c| over all rows (n,).
         states: coordinates and velocity (n, nz + nv).
-        machine: whose motion it is.
+        motion: what the motors follow, (time) -> LegMotion or None.
+        torque: what they push with, (time, z, v) -> (shape,) or None.
 
     Example:
         >>> import rrrobot as rr
@@ -43,63 +47,78 @@ class History:
         ((201, 3), True)
     """
 
+    name: str
+    tree: Tree
+    model: Mechanism
     time: Array
-    pose: Array
-    quaternion: Array
-    shape: Array
-    shape_rates: Array
-    body_velocity: Array
-    velocity: Array
-    joint_torques: Array
-    multipliers: dict[str, Array]
-    energy: Array
-    violation: Array
     states: Array
-    machine: Machine
+    motion: Callable[[float], LegMotion | None]
+    torque: Callable[[float, Array, Array], Array | None]
 
-    @classmethod
-    def of(
-        cls,
-        machine: Machine,
-        time: Array,
-        states: Array,
-        motion: Callable[[float], LegMotion | None],
-        torque: Callable[[float, Array, Array], Array | None],
-    ) -> History:
-        """From states (n, nz + nv) and what drove them."""
-        model = machine.model
-        forces: list[dict[str, Array]] = []
-        torques, energy, violation = [], [], []
-        for t, state in zip(time.tolist(), states, strict=True):
-            z, v = model.split(state)
-            moved = motion(t)
-            found = model.dynamics(z, v, time=t, motion=moved, torque=torque(t, z, v))
-            forces.append(found.forces)
-            torques.append(found.torques)
-            energy.append(model.energy(z, v))
-            rows = model.rows(model.coordinates.to_q(z), v, t, moved)
-            violation.append(np.abs(rows.residual).max(initial=0.0))
-        cut = model.coordinates.size
-        v = states[:, cut:]
-        pose = states[:, : 3 if model.planar else 7]
-        if model.planar:
-            half = 0.5 * pose[:, 2]
-            zero = np.zeros_like(half)
-            quaternion = np.stack((zero, zero, np.sin(half), np.cos(half)), axis=1)
-        else:
-            quaternion = pose[:, 3:]
-        multipliers = {
-            name: np.squeeze(np.array([f[name] for f in forces]), axis=1)
-            if forces[0][name].size == 1
-            else np.array([f[name] for f in forces])
-            for name in forces[0]
+    @property
+    def velocity(self) -> Array:
+        return self.states[:, self.model.coordinates.size :]
+
+    @property
+    def pose(self) -> Array:
+        return self.states[:, : 3 if self.model.planar else 7]
+
+    @property
+    def quaternion(self) -> Array:
+        if not self.model.planar:
+            return self.pose[:, 3:]
+        half = 0.5 * self.pose[:, 2]
+        zero = np.zeros_like(half)
+        return np.stack((zero, zero, np.sin(half), np.cos(half)), axis=1)
+
+    @property
+    def shape(self) -> Array:
+        return self.model.shape(self.states)
+
+    @property
+    def shape_rates(self) -> Array:
+        return self.velocity[:, self.model.shape_v]
+
+    @property
+    def body_velocity(self) -> Array:
+        return self.velocity[:, : self.model.n_base]
+
+    @cached_property
+    def _solved(self) -> list[MachineDynamics]:
+        return [
+            self.model.dynamics(z, v, time=t, motion=self.motion(t), torque=self.torque(t, z, v))
+            for t, z, v in self._split()
+        ]
+
+    @cached_property
+    def joint_torques(self) -> Array:
+        return np.array([found.torques for found in self._solved])
+
+    @cached_property
+    def multipliers(self) -> dict[str, Array]:
+        forces = [found.forces for found in self._solved]
+        return {
+            name: np.array([f[name] for f in forces]).reshape(
+                len(forces), *(() if first.size == 1 else (-1,))
+            )
+            for name, first in forces[0].items()
         }
-        return cls(
-            time=time, pose=pose, quaternion=quaternion, shape=model.shape(states),
-            shape_rates=v[:, model.shape_v], body_velocity=v[:, : model.n_base], velocity=v,
-            joint_torques=np.array(torques), multipliers=multipliers, energy=np.array(energy),
-            violation=np.array(violation), states=states, machine=machine,
-        )  # fmt: skip
+
+    @cached_property
+    def energy(self) -> Array:
+        return np.array([self.model.energy(z, v) for _, z, v in self._split()])
+
+    @cached_property
+    def violation(self) -> Array:
+        model, found = self.model, []
+        for t, z, v in self._split():
+            rows = model.rows(model.coordinates.to_q(z), v, t, self.motion(t))
+            found.append(np.abs(rows.residual).max(initial=0.0))
+        return np.array(found)
+
+    def _split(self) -> Iterator[tuple[float, Array, Array]]:
+        for t, state in zip(self.time.tolist(), self.states, strict=True):
+            yield t, *self.model.split(state)
 
     def __len__(self) -> int:
         return int(self.time.size)
@@ -125,7 +144,7 @@ class History:
     def to_dict(self) -> dict[str, Any]:
         """Plain data: the name, the end, and what is kept."""
         return {
-            "machine": self.machine.name,
+            "machine": self.name,
             "duration": float(self.time[-1]),
             "samples": len(self),
             "pose": self.pose[-1].tolist(),

@@ -12,11 +12,11 @@ from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, vector
 from rrrobot.drive.gaits import Gait, LegMotion
-from rrrobot.errors import ModelError, SimulationError
-from rrrobot.integrate import Stepping, sample_times
+from rrrobot.errors import ModelError, ParameterError, SimulationError, SimulationInterrupted
+from rrrobot.integrate import Stepping, integrate, sample_times
 from rrrobot.machines.history import History
+from rrrobot.machines.lone import roll, rolls_alone
 from rrrobot.machines.mechanism import Mechanism
-from rrrobot.machines.steps import integrate_on
 from rrrobot.machines.tree import Tree
 from rrrobot.rotations import rotation_from_quaternion
 
@@ -176,7 +176,8 @@ class Machine:
         sample_interval: float = 0.01,
         rtol: float = 1e-11,
         atol: float = 1e-12,
-        max_step: float = 0.1,
+        max_step: float = 0.25,
+        method: str | None = None,
     ) -> History:
         """Simulate.
 
@@ -189,6 +190,8 @@ class Machine:
             pose, shape, shape_rates, passive: at the start; a gait gives its own shape.
             sample_interval: [s].
             rtol, atol, max_step: of DOP853.
+            method: "kkt", any machine's; or "momentum", the fast form for a lone ball or ellipsoid
+                on a plane, which is taken for those unless another is named.
 
         Raises:
             SimulationError: it had to stop, as at a singular shape: `trajectory` holds the rest.
@@ -220,10 +223,17 @@ class Machine:
 
         times = sample_times(duration, sample_interval)
         stepping = Stepping(None, rtol, atol, max_step)
-        run = integrate_on(rate, correct, np.concatenate((z, v)), times, stepping)
-        history = History.of(self, times[: len(run.states)], run.states, motion, torque)
+        begin = np.concatenate((z, v))
+        if self._method(method, drive) == "momentum":
+            run = roll(self.tree, model, begin, times, stepping)
+        else:
+            run = integrate(rate, begin, times, stepping, correct=correct)
+        history = History(
+            name=self.name, tree=self.tree, model=model, time=run.times, states=run.states,
+            motion=motion, torque=torque,
+        )  # fmt: skip
         if run.stop is not None:
-            raise SimulationError(
+            raise (SimulationInterrupted if run.interrupted else SimulationError)(
                 f"the {self.name} stopped at t = {run.time:.6g} s: {run.stop}.",
                 time=run.time,
                 state=run.state,
@@ -244,6 +254,17 @@ class Machine:
         return self.simulate(
             drive, duration, start=start, sample_interval=sample_interval, rtol=rtol, atol=atol
         )
+
+    def _method(self, method: str | None, drive: object) -> str:
+        if method not in (None, "kkt", "momentum"):
+            raise ParameterError(f"method is {method!r}: it must be 'kkt' or 'momentum'.")
+        alone = drive is None and rolls_alone(self.tree, self.model)
+        if method == "momentum" and not alone:
+            raise ModelError(
+                f"method 'momentum' is for a lone ball or ellipsoid on a plane, and the {self.name}"
+                " is none: use 'kkt'."
+            )
+        return method or ("momentum" if alone else "kkt")
 
     def _pose(self, pose: ArrayLike | None) -> ArrayLike | None:
         if self.model.planar:

@@ -10,7 +10,7 @@ by the least change. Prescribed joints follow their motion exactly at all times.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -25,7 +25,7 @@ from rrrobot.errors import GaitError, ModelError
 from rrrobot.kkt import ConstraintRows
 from rrrobot.machines.coordinates import Coordinates
 from rrrobot.machines.fluid import Fluid
-from rrrobot.machines.solve import meet, solve
+from rrrobot.machines.solve import least, meet, solve
 from rrrobot.machines.tree import ROOT
 from rrrobot.rotations import euler_from_rotation, rotation_from_quaternion
 
@@ -84,6 +84,11 @@ class Mechanism:
         self.n_shape = len(motors) or max(
             (getattr(drive, "rates", np.zeros((0, 0))).shape[1] for drive in self.drives), default=0
         )
+        self._imposed = {False: self.constraints, True: (*self.constraints, *self.drives)}
+        self._names = {
+            driven: [c.name for c in imposed for _ in range(c.holonomic.size)]
+            for driven, imposed in self._imposed.items()
+        }
         self.planar = model.joints[1].shortname() == "JointModelPlanar"
         self.n_base = model.joints[1].nv
         self._still = np.zeros(model.nv)
@@ -135,11 +140,11 @@ class Mechanism:
 
     def imposed(self, motion: LegMotion | None) -> tuple[Constraint, ...]:
         """The constraints that act with or without a prescribed motion."""
-        return self.constraints if motion is None else (*self.constraints, *self.drives)
+        return self._imposed[motion is not None]
 
     def names(self, motion: LegMotion | None) -> list[str]:
         """Of all rows."""
-        return [c.name for c in self.imposed(motion) for _ in range(c.holonomic.size)]
+        return self._names[motion is not None]
 
     def rows(self, q: Array, v: Array, time: float, motion: LegMotion | None) -> ConstraintRows:
         """The rows of all constraints at a state."""
@@ -264,11 +269,13 @@ class Mechanism:
         q = self.coordinates.to_q(z)
         rows = self.rows(q, v, time, motion)
         if rows.drift.size:
-            inverse = np.linalg.pinv(rows.jacobian, rcond=1e-9)
             gap = self.gaps(q, v, time, motion)
             if gap.any():
-                z -= self.coordinates.rate(z, inverse @ gap)
-            v -= inverse @ rows.residual
+                move, change = least(rows.jacobian, gap, rows.residual)
+                z -= self.coordinates.rate(z, move)
+            else:
+                (change,) = least(rows.jacobian, rows.residual)
+            v -= change
         state[:] = np.concatenate((z, v))
 
     def split(self, state: Array) -> tuple[Array, Array]:
@@ -292,9 +299,12 @@ class Mechanism:
                 f"{self.n_shape}: {', '.join(self.motors) or 'none'}. Give one entry for each."
             )
 
-    def _where(self, z: Array, time: float) -> str:
-        shape = ", ".join(f"{x:.4g}" for x in self.shape(z))
-        return f"at t = {time:.4g} s" + (f", shape ({shape})" if shape else "")
+    def _where(self, z: Array, time: float) -> Callable[[], str]:
+        def words() -> str:
+            shape = ", ".join(f"{x:.4g}" for x in self.shape(z))
+            return f"at t = {time:.4g} s" + (f", shape ({shape})" if shape else "")
+
+        return words
 
 
 def _gap(constraint: Constraint, at: Instant) -> Array:

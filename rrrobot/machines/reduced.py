@@ -25,10 +25,9 @@ from numpy.typing import ArrayLike
 from rrrobot.checks import Array, vector
 from rrrobot.drive.gaits import Gait
 from rrrobot.errors import ConstraintError, ModelError
-from rrrobot.integrate import Stepping, sample_times
+from rrrobot.integrate import Stepping, integrate, sample_times
 from rrrobot.machines.machine import Machine
 from rrrobot.machines.solve import decompose
-from rrrobot.machines.steps import integrate_on
 from rrrobot.rotations import quaternion_rate, rotation_from_quaternion
 
 _STENCIL = ((1, 3 / 4), (2, -3 / 20), (3, 1 / 60))
@@ -100,7 +99,7 @@ class Reduction:
         rank, left, _, right = decompose(held)
         if np.any(np.abs(left[:, rank:].T @ moving) > 1e-9):
             raise ConstraintError(
-                f"{model._where(z, 0.0)}: the constraints "
+                f"{model._where(z, 0.0)()}: the constraints "
                 f"{', '.join(repr(n) for n in model.names(None))} depend on each other and the "
                 "shape cannot move freely there: the connection is singular."
             )
@@ -164,9 +163,9 @@ class Reduction:
 
         start = model.start(self.machine._pose(None), gait(0.0).angle)
         times = sample_times(end, end)
-        run = integrate_on(
-            rate, lambda _, z: model.coordinates.normalise(z), start, times,
-            Stepping(None, 1e-11, 1e-13, 0.1),
+        run = integrate(
+            rate, start, times, Stepping(None, 1e-11, 1e-13, 0.1),
+            correct=lambda _, z: model.coordinates.normalise(z),
         )  # fmt: skip
         if run.stop is not None:
             raise ConstraintError(run.stop + ".")
@@ -210,10 +209,9 @@ class Reduction:
 
             start = np.zeros(13)
             start[6] = 1.0
-            run = integrate_on(
-                rate, lambda _t, _y: None, start, np.array((0.0, period)),
-                Stepping(None, 1e-9, 1e-12, period),
-            )  # fmt: skip
+            run = integrate(
+                rate, start, np.array((0.0, period)), Stepping(None, 1e-9, 1e-12, period)
+            )
             if run.stop is not None:
                 raise ConstraintError(run.stop + ".")
             return run.states[-1][7:]

@@ -8,8 +8,9 @@ each other, and freedoms without inertia, are refused.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
+from math import isfinite
 from typing import Any
 
 import numpy as np
@@ -21,12 +22,17 @@ _REGULAR = 1e-13
 """Reciprocal condition number of the KKT matrix above which it is regular."""
 _RANK = 1e-9
 """Singular values below this part of the greatest are zero."""
+_SURE = 1e-8
+"""Pivot of J J^T, as a part of the greatest, above which the rows are independent."""
 _AGREE = 1e-7
 """What dependent rows may differ by, as a part of the right-hand side's size."""
 
 
+Where = Callable[[], str]
+
+
 def solve(
-    mass: Array, right: Array, jacobian: Array, target: Array, names: Sequence[str], where: str
+    mass: Array, right: Array, jacobian: Array, target: Array, names: Sequence[str], where: Where
 ) -> tuple[Array, Array]:
     """Accelerations a (nv,) and multipliers f (m,) of M a - J^T f = right, J a = target.
 
@@ -47,28 +53,27 @@ def solve(
     matrix[nv:, :nv] = jacobian
     matrix[:nv, nv:] = jacobian.T
     both = np.concatenate((right, target))
-    if not np.all(np.isfinite(matrix)) or not np.all(np.isfinite(both)):
-        raise ConstraintError(f"{where}: the equations of motion are not finite.")
-    factor, back, condition = _lapack()
-    lu, pivots, info = factor(matrix)
-    if info == 0:
-        norm = float(np.abs(matrix).sum(axis=0).max())
-        inverse, _ = condition(lu, norm)
-        if inverse > _REGULAR:
-            solution, _ = back(lu, pivots, both)
-            return solution[:nv], -solution[nv:]
+    lapack = _lapack()
+    norm = lapack.dlange("1", matrix)
+    if not isfinite(norm + float(both @ both)):
+        raise ConstraintError(f"{where()}: the equations of motion are not finite.")
+    # The matrix is symmetric, so its transpose, which is in LAPACK's order, is the same.
+    lu, pivots, info = lapack.dgetrf(matrix.T, overwrite_a=True)
+    if info == 0 and lapack.dgecon(lu, norm)[0] > _REGULAR:
+        solution, _ = lapack.dgetrs(lu, pivots, both)
+        return solution[:nv], -solution[nv:]
     return _apart(mass, right, jacobian, target, names, where)
 
 
 def _apart(
-    mass: Array, right: Array, jacobian: Array, target: Array, names: Sequence[str], where: str
+    mass: Array, right: Array, jacobian: Array, target: Array, names: Sequence[str], where: Where
 ) -> tuple[Array, Array]:
     """The same by singular values."""
     rank, left, values, rows = decompose(jacobian)
     off = left[:, rank:].T @ target
     if np.any(np.abs(off) > _AGREE * max(1.0, float(np.abs(target).max(initial=0.0)))):
         raise ConstraintError(
-            f"{where}: the constraints {_named(left[:, rank:], names)} depend on each other and "
+            f"{where()}: the constraints {_named(left[:, rank:], names)} depend on each other and "
             "contradict: no motion meets them. Keep the shape away from here, or leave one out."
         )
     meets = rows[:rank].T @ ((left[:, :rank].T @ target) / values[:rank])
@@ -77,7 +82,7 @@ def _apart(
     inertias, axes = np.linalg.eigh(reduced) if free.size else (np.ones(0), np.zeros((0, 0)))
     if inertias.size and inertias[0] <= 1e-13 * max(float(np.abs(mass).max()), 1e-300):
         raise ConstraintError(
-            f"{where}: the motion is undetermined: a freedom has no inertia. Give every moving "
+            f"{where()}: the motion is undetermined: a freedom has no inertia. Give every moving "
             "link a mass or prescribe its joint."
         )
     a = meets + free @ (axes @ ((axes.T @ (free.T @ (right - mass @ meets))) / inertias))
@@ -97,7 +102,7 @@ def decompose(jacobian: Array) -> tuple[int, Array, Array, Array]:
 
 
 def meet(
-    jacobian: Array, target: Array, names: Sequence[str], where: str, tolerance: float
+    jacobian: Array, target: Array, names: Sequence[str], where: Where, tolerance: float
 ) -> Array:
     """The smallest x (n,) with J x = target.
 
@@ -109,10 +114,21 @@ def meet(
     if np.any(np.abs(off) > tolerance):
         worst = int(np.argmax(np.abs(off)))
         raise ConstraintError(
-            f"{where}: the velocities break the constraint {names[worst]!r} by "
+            f"{where()}: the velocities break the constraint {names[worst]!r} by "
             f"{abs(off[worst]):.3g}: give velocities that meet it."
         )
     return np.asarray(rows[:rank].T @ ((left[:, :rank].T @ target) / values[:rank]))
+
+
+def least(jacobian: Array, *targets: Array) -> list[Array]:
+    """For each target (m,), the x (n,) of least norm with J x nearest to it."""
+    lapack = _lapack()
+    factor, info = lapack.dpotrf(jacobian @ jacobian.T)
+    pivots = factor.diagonal()
+    if info == 0 and pivots.min() ** 2 > _SURE * pivots.max() ** 2:
+        return [jacobian.T @ lapack.dpotrs(factor, target)[0] for target in targets]
+    inverse = np.linalg.pinv(jacobian, rcond=_RANK)
+    return [inverse @ target for target in targets]
 
 
 def _named(null: Array, names: Sequence[str]) -> str:
@@ -121,7 +137,7 @@ def _named(null: Array, names: Sequence[str]) -> str:
 
 
 @cache
-def _lapack() -> tuple[Any, Any, Any]:
-    from scipy.linalg.lapack import dgecon, dgetrf, dgetrs
+def _lapack() -> Any:
+    from scipy.linalg import lapack
 
-    return dgetrf, dgetrs, dgecon
+    return lapack
