@@ -82,7 +82,10 @@ def test_coefficients_are_about_the_shells_centre():
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.name)
-@pytest.mark.parametrize("parameters", [rr.RRRobotParameters(), ODD], ids=["Table 2", "odd"])
+@pytest.mark.parametrize(
+    "parameters", [rr.RRRobotParameters(), pytest.param(ODD, marks=pytest.mark.slow)],
+    ids=["Table 2", "odd"],
+)  # fmt: skip
 def test_simulate_by_momentum_equals_kkt(model, parameters):
     kind = model(rr.Robot.from_parameters(parameters))
     for gait in (rr.gait("circular"), rr.RampIn(rr.gait("lateral"), 2.0)):

@@ -110,7 +110,7 @@ def test_connection_about_another_pivot_and_axis():
 def test_net_yaw_three_ways_on_random_cycles(robot):
     rng = np.random.default_rng(4)
     largest = 0.0
-    for _ in range(6):
+    for _ in range(3):
         gait = random_cycle(rng)
         line, area, run = (net_yaw(robot, gait, method=m) for m in ("line", "area", "simulate"))
         assert abs(line - area) < 1e-11
@@ -121,7 +121,10 @@ def test_net_yaw_three_ways_on_random_cycles(robot):
     assert largest > 1e-3
 
 
-@pytest.mark.parametrize("name, legs", [("solo12", 4), ("ur5", 6), ("talos", 8)])
+@pytest.mark.parametrize(
+    "name, legs",
+    [("solo12", 4), ("ur5", 6), pytest.param("talos", 8, marks=pytest.mark.slow)],
+)
 def test_example_robots_turn_by_leg_motion_alone(name, legs):
     pytest.importorskip("example_robot_data")
     joints = rr.Robot.from_example(name, shell=rr.Sphere(0.5)).legs[:legs]
