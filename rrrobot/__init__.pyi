@@ -1,3 +1,4 @@
+from rrrobot import belly as belly
 from rrrobot import constraints as constraints
 from rrrobot import contact as contact
 from rrrobot import drive as drive
@@ -16,6 +17,7 @@ from rrrobot import simulation as simulation
 from rrrobot import steering as steering
 from rrrobot import studies as studies
 from rrrobot import view as view
+from rrrobot.belly.fit import fit_belly as fit_belly
 from rrrobot.constraints import Constraint as Constraint
 from rrrobot.constraints import RollingContact as RollingContact
 from rrrobot.constraints import contact_drift as contact_drift

@@ -11,7 +11,7 @@ import pytest
 
 import rrrobot as rr
 from rrrobot.momentum import cache
-from rrrobot.view.meshes import MeshError, find_mesh, read_mesh
+from rrrobot.robot.meshes import MeshError, find_mesh, read_mesh
 
 SHELL = rr.Sphere(0.2)
 STL = (

@@ -18,11 +18,10 @@ import pinocchio as pin
 
 from rrrobot.checks import Array
 from rrrobot.contact.surfaces import Sphere, Surface
-from rrrobot.errors import UrdfError
+from rrrobot.robot.meshes import MeshError, find_mesh, numbers, origin_of, read_mesh, short
 from rrrobot.robot.reader import parse_urdf
 from rrrobot.robot.robot import Robot
 from rrrobot.view.commands import Colour, Geometry, mesh
-from rrrobot.view.meshes import MeshError, find_mesh, read_mesh, short
 
 BAND_COLOURS: tuple[Colour, ...] = ((0.84, 0.37, 0.0), (0.0, 0.45, 0.7), (0.25, 0.25, 0.25))
 SHELL_COLOUR: Colour = (0.93, 0.91, 0.86, 0.4)
@@ -82,7 +81,7 @@ def robot_visuals(robot: Robot) -> list[Visual]:
                 element, shape = _stand_in(link)
             if shape is not None:
                 geometry, reach, turn, flat = shape
-                at = frame.placement * _origin(element) * turn
+                at = frame.placement * origin_of(element) * turn
                 colour = _colour(element, materials)
                 visuals.append(Visual(name, frame.parentJoint, at, geometry, colour, reach, flat))
     if missing:
@@ -123,20 +122,20 @@ def _shape(visual: ET.Element, package_dirs: tuple[str, ...], meshes: _Meshes) -
     still = pin.SE3.Identity()
     for shape in visual.findall("geometry/*"):
         if shape.tag == "box":
-            x, y, z = _numbers(shape, "size", 3)
+            x, y, z = numbers(shape, "size", 3)
             box = {"type": "BoxGeometry", "width": x, "height": y, "depth": z}
             return box, math.hypot(x, y, z) / 2, still, False
         if shape.tag == "sphere":
-            (r,) = _numbers(shape, "radius", 1)
+            (r,) = numbers(shape, "radius", 1)
             ball = {"type": "SphereGeometry", "radius": r}
             return {**ball, "widthSegments": 64, "heightSegments": 40}, r, still, False
         if shape.tag == "cylinder":
-            (r,), (length,) = _numbers(shape, "radius", 1), _numbers(shape, "length", 1)
+            (r,), (length,) = numbers(shape, "radius", 1), numbers(shape, "length", 1)
             rod = {"type": "CylinderGeometry", "radiusTop": r, "radiusBottom": r}
             rod |= {"height": length, "radialSegments": 64}
             return rod, math.hypot(r, length / 2), _Y_TO_Z, False
         if shape.tag == "capsule":
-            (r,), (length,) = _numbers(shape, "radius", 1), _numbers(shape, "length", 1)
+            (r,), (length,) = numbers(shape, "radius", 1), numbers(shape, "length", 1)
             return _capsule(r, length), r + length / 2, still, False
         if shape.tag == "mesh":
             return _mesh_file(shape, package_dirs, meshes)
@@ -154,8 +153,8 @@ def _stand_in(link: ET.Element) -> tuple[ET.Element, _Shape | None]:
     inertia, mass = link.find("inertial/inertia"), link.find("inertial/mass")
     if inertial is None or inertia is None or mass is None:
         return link, None
-    (m,) = _numbers(mass, "value", 1)
-    xx, yy, zz = (_numbers(inertia, name, 1)[0] for name in ("ixx", "iyy", "izz"))
+    (m,) = numbers(mass, "value", 1)
+    xx, yy, zz = (numbers(inertia, name, 1)[0] for name in ("ixx", "iyy", "izz"))
     if m <= 0 or xx + yy + zz <= 0:
         return link, None
     # Sides of a uniform box with these moments.
@@ -176,7 +175,7 @@ def _capsule(radius: float, length: float) -> Geometry:
 
 def _mesh_file(shape: ET.Element, package_dirs: tuple[str, ...], meshes: _Meshes) -> _Shape:
     name = shape.get("filename", "")
-    scale = tuple(_numbers(shape, "scale", 3)) if shape.get("scale") else (1.0, 1.0, 1.0)
+    scale = tuple(numbers(shape, "scale", 3)) if shape.get("scale") else (1.0, 1.0, 1.0)
     path = find_mesh(name, package_dirs)
     key = path, scale
     if key not in meshes:
@@ -189,29 +188,6 @@ def _mesh_file(shape: ET.Element, package_dirs: tuple[str, ...], meshes: _Meshes
     return meshes[key]
 
 
-def _numbers(element: ET.Element, name: str, count: int) -> list[float]:
-    text = element.get(name, "")
-    try:
-        numbers = [float(word) for word in text.split()]
-    except ValueError:
-        numbers = []
-    if len(numbers) != count or not all(map(math.isfinite, numbers)):
-        raise UrdfError(
-            f"<{element.tag} {name}={text!r}> of a visual must be {count} finite "
-            f"number{'s' * (count > 1)}."
-        )
-    return numbers
-
-
-def _origin(visual: ET.Element) -> pin.SE3:
-    origin = visual.find("origin")
-    if origin is None:
-        return pin.SE3.Identity()
-    xyz = _numbers(origin, "xyz", 3) if origin.get("xyz") else [0.0] * 3
-    rpy = _numbers(origin, "rpy", 3) if origin.get("rpy") else [0.0] * 3
-    return pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array(xyz))
-
-
 def _colour(visual: ET.Element, materials: dict[str, ET.Element]) -> Colour:
     material = visual.find("material")
     if material is None:
@@ -221,7 +197,7 @@ def _colour(visual: ET.Element, materials: dict[str, ET.Element]) -> Colour:
         colour = materials[str(material.get("name"))].find("color")
     if colour is None:
         return _DEFAULT_COLOUR
-    return tuple(min(max(part, 0.0), 1.0) for part in _numbers(colour, "rgba", 4))
+    return tuple(min(max(part, 0.0), 1.0) for part in numbers(colour, "rgba", 4))
 
 
 def _is_shell(visual: Visual, robot: Robot) -> bool:
