@@ -61,12 +61,19 @@ def find_browser() -> str | None:
 class Browser:
     """One page of a headless browser.
 
+    Args:
+        size: of the page (width, height), in the pixels of its layout.
+        timeout: longest wait for an answer [s].
+        scale: pixels of the picture for each of these; few are drawn fast.
+
     Attributes:
         requests: addresses that the page has asked for since `open`.
         problems: what the page has complained about on its console since `open`.
     """
 
-    def __init__(self, size: tuple[int, int] = (640, 360), timeout: float = 60.0) -> None:
+    def __init__(
+        self, size: tuple[int, int] = (640, 360), timeout: float = 60.0, scale: float = 1.0
+    ) -> None:
         executable = find_browser()
         if executable is None:
             raise FileNotFoundError("there is no Chromium or Chrome on the PATH")
@@ -89,27 +96,27 @@ class Browser:
         os.close(from_browser)
         self._unread, self._number, self._session = b"", 0, ""
         try:
-            self._attach(size)
+            self._attach(size, scale)
         except BaseException:
             self.close()
             raise
 
-    def _attach(self, size: tuple[int, int]) -> None:
+    def _attach(self, size: tuple[int, int], scale: float) -> None:
         pages = self.call("Target.getTargets")["targetInfos"]
         target = next(page["targetId"] for page in pages if page["type"] == "page")
         answer = self.call("Target.attachToTarget", targetId=target, flatten=True)
         self._session = answer["sessionId"]
         for domain in ("Page", "Network", "Runtime", "Log"):
             self.call(f"{domain}.enable")
-        screen = {"width": size[0], "height": size[1], "deviceScaleFactor": 1, "mobile": False}
+        screen = {"width": size[0], "height": size[1], "deviceScaleFactor": scale, "mobile": False}
         self.call("Emulation.setDeviceMetricsOverride", **screen)
 
-    def open(self, url: str) -> None:
-        """Open a page and wait until Meshcat has drawn on it."""
+    def open(self, url: str, ready: str = "typeof viewer == 'object'") -> None:
+        """Open a page and wait until Meshcat has drawn on it, or until `ready` is true."""
         self.requests.clear()
         self.problems.clear()
         self.call("Page.navigate", url=url)
-        self.wait_for("document.readyState == 'complete' && typeof viewer == 'object'")
+        self.wait_for(f"document.readyState == 'complete' && ({ready})")
 
     def wait_for(self, condition: str) -> None:
         """Wait until a JavaScript expression is true."""

@@ -18,6 +18,7 @@ from rrrobot.cli.continue_ import continue_command
 from rrrobot.cli.fit import fit_command
 from rrrobot.cli.follow import follow_command
 from rrrobot.cli.gait import gait_command
+from rrrobot.cli.lab import lab_command
 from rrrobot.cli.machines import machines
 from rrrobot.cli.optimise import optimise_command
 from rrrobot.cli.orbit import orbit_command
@@ -84,6 +85,7 @@ for _command in (
     orbit_command,
     continue_command,
     sensitivity_command,
+    lab_command,
     view,
     robots,
 ):

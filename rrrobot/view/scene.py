@@ -113,7 +113,7 @@ class Scene:
         self.basis = ground_basis(self.normal)
         self.visuals = robot_visuals(robot)
         self.joints = sorted({1, *(visual.joint for visual in self.visuals)})
-        self._data = robot.model.createData()
+        self.data = robot.model.createData()
         self.size = _shell_size(robot)
         self.reach = _AXIS * self.size
         self.hold([self.rest()])
@@ -122,8 +122,8 @@ class Scene:
 
     def pose(self, configuration: Array) -> Pose:
         """Placements at a configuration (nq,)."""
-        pin.forwardKinematics(self.robot.model, self._data, configuration)
-        joints = {joint: pin.SE3(self._data.oMi[joint]) for joint in self.joints}
+        pin.forwardKinematics(self.robot.model, self.data, configuration)
+        joints = {joint: pin.SE3(self.data.oMi[joint]) for joint in self.joints}
         shell = joints[1] * self.robot.shell_placement
         return Pose(joints, shell.translation, self._contact(shell))
 

@@ -1,0 +1,156 @@
+"""The laboratory's page, served to this computer alone."""
+
+from __future__ import annotations
+
+import contextlib
+import importlib.util
+import io
+import socket
+import threading
+import webbrowser
+from typing import Any
+
+from rrrobot.errors import MissingExtraError, ModelError, OutputError, ParameterError
+from rrrobot.robot.robot import Robot
+from rrrobot.view.lab.knobs import Knobs
+from rrrobot.view.lab.outcome import Outcome, Refusal, settle
+from rrrobot.view.lab.session import Session
+
+LOOPBACK = "127.0.0.1"
+
+
+class Laboratory:
+    """A page on which every move of a slider redraws the robot's path; see `laboratory`.
+
+    Attributes:
+        robot: the robot.
+        url: address of the page; only this computer can open it.
+        sessions: one for each open page, by viser's number of it.
+    """
+
+    def __init__(self, robot: Robot, *, port: int | None = None) -> None:
+        if not isinstance(robot, Robot):
+            raise ModelError(
+                f"robot is {type(robot).__name__}: it must be a Robot, such as "
+                "Robot.from_parameters()."
+            )
+        if not robot.n_legs:
+            raise ModelError(
+                f"{robot.name} has no legs that move: the laboratory is for robots with legs; "
+                "name some with legs=."
+            )
+        if port is not None and not (type(port) is int and 0 < port < 65536):
+            raise ParameterError(f"port is {port!r}: it must be an integer from 1 to 65535.")
+        if importlib.util.find_spec("viser") is None:
+            raise MissingExtraError(
+                "the laboratory needs viser: pip install 'rrrobot[lab]', or pip install viser."
+            )
+        self.robot = robot
+        self.sessions: dict[int, Session] = {}
+        self._lock = threading.Lock()
+        self._first: Outcome | None = None
+        # Numba loads the engine meanwhile, so that the page has its first path at once.
+        self._warm = threading.Thread(target=self._warm_up, name="rrrobot lab", daemon=True)
+        self._warm.start()
+        self._server = _serve(_free_port(port), f"rrrobot laboratory: {robot.name}")
+        self.url = f"http://{LOOPBACK}:{self._server.get_port()}/"
+        self._server.on_client_connect(self._opened)
+        self._server.on_client_disconnect(self._left)
+
+    def close(self) -> None:
+        """Stop serving the page; closing again does nothing."""
+        with self._lock:
+            sessions, self.sessions = self.sessions, {}
+        for session in sessions.values():
+            session.close()
+        server, self._server = self._server, None
+        if server is not None:
+            with contextlib.redirect_stdout(io.StringIO()):
+                server.stop()
+
+    def wait(self) -> None:
+        """Serve until Ctrl-C."""
+        threading.Event().wait()
+
+    def _warm_up(self) -> None:
+        with contextlib.suppress(Refusal):
+            self._first = settle(self.robot, Knobs.of(self.robot))
+
+    def _opened(self, client: Any) -> None:
+        session = Session(client, self.robot, Knobs.of(self.robot), self._first)
+        with self._lock:
+            self.sessions[client.client_id] = session
+
+    def _left(self, client: Any) -> None:
+        with self._lock:
+            session = self.sessions.pop(client.client_id, None)
+        if session is not None:
+            session.close()
+
+    def __enter__(self) -> Laboratory:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _repr_html_(self) -> str:
+        return (
+            f'<iframe src="{self.url}" style="width:100%;height:640px;border:0" '
+            "allowfullscreen></iframe>"
+        )
+
+    def __repr__(self) -> str:
+        return f"Laboratory({self.robot.name!r}, url={self.url!r})"
+
+
+def laboratory(robot: Robot, *, port: int | None = None, open_browser: bool = False) -> Laboratory:
+    """Open the laboratory: a page on which a gait is under your hands.
+
+    Every move of a slider redraws the whole settled path, and the robot rolls along it. The page is
+    served on the loopback interface, so only this computer can open it, and is gone when it is
+    closed or the script ends. As the last line of a notebook's cell it shows inline.
+
+    Args:
+        robot: any robot with legs.
+        port: of the page; any free one if None.
+        open_browser: whether to open the page in the default browser.
+
+    Raises:
+        MissingExtraError: viser is not installed (extra `lab`).
+        OutputError: the port is taken.
+        ParameterError: the port is out of range.
+        ModelError: the robot has no legs.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> with rr.laboratory(rr.Robot.from_parameters()) as lab:  # doctest: +SKIP
+        ...     print(lab.url)
+        http://127.0.0.1:8080/
+    """
+    lab = Laboratory(robot, port=port)
+    if open_browser:
+        webbrowser.open(lab.url)
+    return lab
+
+
+def _free_port(port: int | None) -> int:
+    """That port, or any free one. Viser would take the next free one and not say so."""
+    try:
+        with socket.create_server((LOOPBACK, port or 0)) as probe:
+            return int(probe.getsockname()[1])
+    except OSError as error:
+        raise OutputError(
+            f"cannot serve the laboratory on port {port}: {error}. Name another port, or none."
+        ) from None
+
+
+def _serve(port: int, title: str) -> Any:
+    import viser
+
+    # Viser prints a banner.
+    with contextlib.redirect_stdout(io.StringIO()):
+        server = viser.ViserServer(host=LOOPBACK, port=port, label=title, verbose=False)
+    if server.get_port() != port:
+        server.stop()
+        raise OutputError(f"port {port} was taken meanwhile: try again.")
+    return server

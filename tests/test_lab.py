@@ -1,0 +1,226 @@
+"""The laboratory's page in a headless browser, as a person uses it."""
+
+from __future__ import annotations
+
+import os
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import rrrobot as rr
+from rrrobot.view.lab.outcome import settle
+from tests.browser import Browser, find_browser
+
+pytest.importorskip("viser")
+pytestmark = pytest.mark.skipif(
+    find_browser() is None and not os.environ.get("RRROBOT_REQUIRE_BROWSER"),
+    reason="no Chromium or Chrome",
+)
+
+ROBOT = rr.Robot.from_parameters()
+READY = "document.querySelector('.rr-numbers[data-speed]') != null"
+SIZE = (700, 420)
+"""Small: a browser without a graphics card draws slowly."""
+
+
+@pytest.fixture(scope="module")
+def lab():
+    with rr.laboratory(ROBOT) as opened:
+        yield opened
+
+
+@pytest.fixture(scope="module")
+def page(lab):
+    with Browser(SIZE, timeout=120, scale=0.25) as browser:
+        visit(browser, lab)
+        yield browser
+
+
+def visit(browser, lab):
+    """Open the page; its session."""
+    before = set(lab.sessions)
+    browser.open(lab.url, READY)
+    (number,) = set(lab.sessions) - before
+    session = lab.sessions[number]
+    assert session.settled()
+    session.player.playing = False
+    return session
+
+
+def latest(lab):
+    return lab.sessions[max(lab.sessions)]
+
+
+def shown(browser, name):
+    """A number that the panel shows, in full."""
+    return float(browser.run(f"document.querySelector('.rr-numbers').dataset.{name}"))
+
+
+def type_into(browser, label, text):
+    """Put text into the field that stands beside a label, as by hand."""
+    found = browser.run(
+        f"""(() => {{
+        const near = [...document.querySelectorAll('p')].find(p => p.innerText == {label!r});
+        if (!near) return false;
+        const field = near.parentElement.parentElement.querySelector('input[type=text], input:not([type=hidden])');
+        Object.getOwnPropertyDescriptor(HTMLInputElement.prototype, 'value').set.call(field, {text!r});
+        field.dispatchEvent(new Event('input', {{bubbles: true}}));
+        return true;}})()"""  # noqa: E501
+    )
+    assert found, f"no label {label}"
+
+
+def press(browser, x, y):
+    """A click of the mouse."""
+    for kind in ("mousePressed", "mouseReleased"):
+        browser.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+
+
+def tab(browser, name):
+    press(*(browser, *browser.run(
+        f"""(() => {{
+        const tabs = [...document.querySelectorAll('[role=tab]')];
+        const b = tabs.find(t => t.innerText == {name!r}).getBoundingClientRect();
+        return [b.left + b.width / 2, b.top + b.height / 2];}})()"""
+    )))  # fmt: skip
+
+
+def drag(browser, label, share):
+    """Drag a slider's thumb by the mouse to a share of its track."""
+    box = browser.run(
+        f"""(() => {{
+        const near = [...document.querySelectorAll('p')].find(p => p.innerText == {label!r});
+        const root = near.parentElement.parentElement;
+        root.scrollIntoView({{block: 'center'}});
+        const b = root.querySelector('.mantine-Slider-track').getBoundingClientRect();
+        return [b.left, b.top + b.height / 2, b.width];}})()"""
+    )
+    left, y, wide = box
+    x = left + share * wide
+    for kind, at in (("mousePressed", left + 0.4 * wide), ("mouseMoved", x), ("mouseReleased", x)):
+        browser.call("Input.dispatchMouseEvent", type=kind, x=at, y=y, button="left", buttons=1,
+                     clickCount=1)  # fmt: skip
+
+
+def wait_until(true, seconds=60.0):
+    end = time.monotonic() + seconds
+    while not true():
+        assert time.monotonic() < end, "it never came"
+        time.sleep(0.05)
+
+
+def test_the_page_needs_only_this_computer_and_does_not_complain(page, lab):
+    assert lab.url.startswith("http://127.0.0.1:")
+    outside = [url for url in page.requests if not url.startswith(
+        ("data:", "blob:", lab.url, lab.url.replace("http", "ws").rstrip("/")))]  # fmt: skip
+    assert not outside
+    assert not page.problems
+
+
+def test_a_slider_moves_and_the_path_changes_by_the_right_amount(page, lab):
+    session = latest(lab)
+    before = shown(page, "speed")
+    drag(page, "frequency [rad/s]", 0.25)
+    wait_until(lambda: session.settled() and shown(page, "speed") != before)
+    frequency = session.knobs.frequency
+    assert 4.5 < frequency < 6.5
+    gait = rr.gait("circular", angular_frequency=frequency)
+    cycle = session.outcome.cycle
+    horizon = round(session.knobs.horizon / gait.period) * gait.period
+    model = rr.FullModel(ROBOT)
+    steps = len(session.outcome.trajectory) - 1
+    run = rr.simulate(model, gait, horizon, gait.period / steps, euler=cycle.euler,
+                      start=cycle.euler_rates, method="momentum")  # fmt: skip
+    # The path has no last sample of the last period: it is the first of the next.
+    end = run.position[-2]
+    assert (shown(page, "endX"), shown(page, "endY")) == pytest.approx(tuple(end), abs=2e-6)
+    assert shown(page, "speed") == pytest.approx(run.steady_state().speed, rel=1e-5)
+    type_into(page, "frequency [rad/s]", "8")
+    wait_until(lambda: session.settled() and abs(shown(page, "speed") / before - 1) < 1e-9)
+
+
+def test_what_cannot_be_is_said_and_the_last_path_stays(page, lab):
+    session = latest(lab)
+    before = shown(page, "speed")
+    type_into(page, "frequency [rad/s]", "20")
+    type_into(page, "amplitude [deg]", "70")
+    wait_until(lambda: page.run("document.querySelector('.rr-refusal')?.innerText") is not None)
+    words = page.run("document.querySelector('.rr-refusal').innerText")
+    assert "lifts off" in words and "last good path is kept" in words
+    assert session.outcome is not None
+    type_into(page, "amplitude [deg]", "17.1887")
+    type_into(page, "frequency [rad/s]", "8")
+    wait_until(lambda: page.run("document.querySelector('.rr-refusal')") is None)
+    assert shown(page, "speed") == pytest.approx(before, rel=1e-4)
+
+
+def test_clicking_the_map_selects_the_gait(page, lab):
+    session = latest(lab)
+    tab(page, "Map")
+    assert session.atlas.drawn()
+    page.wait_for("document.querySelector('.rr-map[data-name=map] rect[onclick]') != null")
+    x, y = page.run(
+        """(() => {const r = document.querySelector('.rr-map[data-name=map] rect');
+        r.scrollIntoView({block: 'center'});
+        const b = r.getBoundingClientRect();
+        return [b.left + 0.75 * b.width, b.top + 0.25 * b.height];})()"""
+    )
+    press(page, x, y)
+    wait_until(lambda: session.settled() and abs(session.knobs.offset[0] - np.pi / 2) < 0.05)
+    assert session.knobs.offset[0] == session.knobs.offset[1]
+    assert session.knobs.phase[1] - session.knobs.phase[0] == pytest.approx(np.pi / 2, abs=0.05)
+    alone = settle(ROBOT, session.knobs)
+    wait_until(lambda: abs(shown(page, "speed") / alone.speed - 1) < 1e-6)
+    # The inverse map: a curvature and a speed.
+    type_into(page, "curvature, speed", "2.0 5.0")
+    wait_until(lambda: abs(shown(page, "speed") / 0.005 - 1) < 1e-4)
+    assert shown(page, "yawRate") == pytest.approx(0.01, rel=1e-3)
+    tab(page, "Gait")
+
+
+def test_playing_moves_the_robot_in_real_time(page, lab):
+    session = latest(lab)
+    player = session.player
+    player.restart()
+    player.speed, player.playing = 2.0, True
+    start = time.monotonic()
+    time.sleep(1.5)
+    passed = time.monotonic() - start
+    player.playing = False
+    time.sleep(0.1)
+    assert player.time == pytest.approx(2.0 * passed, abs=0.5)
+    # The scene has been told: its root joint stands where the motion is at that time.
+    player.draw()
+    q, shift, _ = session.outcome.frame(player.time)
+    place = session._scene.pose(q).joints[1]
+    node = session._stage._nodes[session._scene.path(1)]
+    assert node.position == pytest.approx((shift * place).translation, abs=1e-6)
+    player.speed = 1.0
+
+
+def test_two_pages_do_not_disturb_each_other_and_one_may_come_back(page, lab):
+    first = latest(lab)
+    before = first.knobs, shown(page, "speed")
+    with Browser(SIZE, timeout=120, scale=0.25) as other:
+        second = visit(other, lab)
+        assert second.knobs != first.knobs
+        type_into(other, "frequency [rad/s]", "5")
+        wait_until(lambda: second.settled() and second.knobs.frequency == 5.0)
+        assert first.knobs == before[0]
+        assert shown(page, "speed") == before[1]
+        wait_until(lambda: shown(other, "speed") != before[1])
+        # Closed and opened again: a session of its own, from the start.
+        third = visit(other, lab)
+        assert third is not second and third.knobs.frequency == 8.0
+        wait_until(lambda: second not in lab.sessions.values())
+    wait_until(lambda: list(lab.sessions.values()) == [first])
+    assert not page.problems
+
+
+def test_knobs_can_be_set_by_a_script_too(lab, page):
+    session = latest(lab)
+    session.choose(replace(session.knobs, gravity=1.62))
+    assert session.settled() and session.refusal is None
+    assert session.outcome.trajectory.gravity == 1.62
