@@ -79,32 +79,41 @@ def press(browser, x, y):
 
 
 def tab(browser, name):
-    press(*(browser, *browser.run(
-        f"""(() => {{
-        const tabs = [...document.querySelectorAll('[role=tab]')];
+    left, top, wide, high = still(
+        browser,
+        f"""const tabs = [...document.querySelectorAll('[role=tab]')];
         const b = tabs.find(t => t.innerText == {name!r}).getBoundingClientRect();
-        return [b.left + b.width / 2, b.top + b.height / 2];}})()"""
-    )))  # fmt: skip
+        return [b.left, b.top, b.width, b.height];""",
+    )
+    press(browser, left + wide / 2, top + high / 2)
+
+
+def still(browser, script):
+    """A rectangle on the page (left, top, width, height) once it stays where it is."""
+    before = None
+    while (box := browser.run(f"(() => {{{script}}})()")) != before:
+        before = box
+        time.sleep(0.3)
+    return box
 
 
 def drag(browser, label, share):
     """Drag a slider's thumb by the mouse to a share of its track."""
-    box = browser.run(
-        f"""(() => {{
-        const near = [...document.querySelectorAll('p')].find(p => p.innerText == {label!r});
+    left, top, wide, high = still(
+        browser,
+        f"""const near = [...document.querySelectorAll('p')].find(p => p.innerText == {label!r});
         const root = near.parentElement.parentElement;
         root.scrollIntoView({{block: 'center'}});
         const b = root.querySelector('.mantine-Slider-track').getBoundingClientRect();
-        return [b.left, b.top + b.height / 2, b.width];}})()"""
+        return [b.left, b.top, b.width, b.height];""",
     )
-    left, y, wide = box
-    x = left + share * wide
+    x, y = left + share * wide, top + high / 2
     for kind, at in (("mousePressed", left + 0.4 * wide), ("mouseMoved", x), ("mouseReleased", x)):
         browser.call("Input.dispatchMouseEvent", type=kind, x=at, y=y, button="left", buttons=1,
                      clickCount=1)  # fmt: skip
 
 
-def wait_until(true, seconds=60.0):
+def wait_until(true, seconds=150.0):
     end = time.monotonic() + seconds
     while not true():
         assert time.monotonic() < end, "it never came"
@@ -161,13 +170,14 @@ def test_clicking_the_map_selects_the_gait(page, lab):
     tab(page, "Map")
     assert session.atlas.drawn()
     page.wait_for("document.querySelector('.rr-map[data-name=map] rect[onclick]') != null")
-    x, y = page.run(
-        """(() => {const r = document.querySelector('.rr-map[data-name=map] rect');
+    left, top, wide, high = still(
+        page,
+        """const r = document.querySelector('.rr-map[data-name=map] rect');
         r.scrollIntoView({block: 'center'});
         const b = r.getBoundingClientRect();
-        return [b.left + 0.75 * b.width, b.top + 0.25 * b.height];})()"""
+        return [b.left, b.top, b.width, b.height];""",
     )
-    press(page, x, y)
+    press(page, left + 0.75 * wide, top + 0.25 * high)
     wait_until(lambda: session.settled() and abs(session.knobs.offset[0] - np.pi / 2) < 0.05)
     assert session.knobs.offset[0] == session.knobs.offset[1]
     assert session.knobs.phase[1] - session.knobs.phase[0] == pytest.approx(np.pi / 2, abs=0.05)
