@@ -1,3 +1,10 @@
+from rrrobot.belly.clearance import Clearances as Clearances
+from rrrobot.belly.clearance import clearances as clearances
+from rrrobot.belly.feasible import Feasibility as Feasibility
+from rrrobot.belly.feasible import MotionLimits as MotionLimits
+from rrrobot.belly.feasible import Violation as Violation
+from rrrobot.belly.feasible import feasibility as feasibility
+from rrrobot.belly.feasible import limit_event as limit_event
 from rrrobot.belly.fit import fit_belly as fit_belly
 from rrrobot.belly.found import Belly as Belly
 from rrrobot.belly.ranges import RollingRange as RollingRange

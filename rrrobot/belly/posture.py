@@ -12,7 +12,7 @@ from typing import NamedTuple
 import numpy as np
 import pinocchio as pin
 
-from rrrobot.belly.distances import geometry_model, leg_ranges
+from rrrobot.belly.distances import leg_ranges
 from rrrobot.belly.placed import Touches
 from rrrobot.belly.shapes import Shapes
 from rrrobot.checks import Array
@@ -88,7 +88,7 @@ class _Search:
             for piece, capsule in zip(shapes.pieces, shapes.capsules, strict=True)
             if piece.joint > 1 and piece.link not in covered
         ]
-        self.geometry = geometry_model(shapes.pieces, shapes.pairs)
+        self.geometry = shapes.geometry
         self.apart = self.geometry.createData()
         self.symmetries = [s for kind in SYMMETRIES if (s := symmetry_of(robot, kind)) is not None]
 

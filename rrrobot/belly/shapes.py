@@ -131,6 +131,16 @@ class Shapes:
         touching = always_touching(self.robot, self.pieces, some)
         return [pair for pair in some if pair not in touching]
 
+    @cached_property
+    def geometry(self) -> pin.GeometryModel:
+        """Pinocchio's geometry of the pieces, with `pairs` as its pairs."""
+        from rrrobot.belly.distances import geometry_model
+
+        return geometry_model(self.pieces, self.pairs)
+
+    def __reduce__(self) -> Any:
+        return type(self), (self.robot, self.pieces, self.missing)
+
 
 def support(pieces: Sequence[Piece], directions: Array) -> Array:
     """h (n,) [m] of the hull of pieces in directions (n, 3), in the frame of their joint."""

@@ -48,6 +48,13 @@ class JointIndex:
         q[self._q[self._wide]] = np.cos(angles[self._wide])
         q[self._q[self._wide] + 1] = np.sin(angles[self._wide])
 
+    def read(self, q: Array) -> Array:
+        """Joint coordinates (joints,) [rad or m] of q; continuous ones' within half a turn."""
+        out: Array = q[self._q].copy()
+        if self._wide.size:
+            out[self._wide] = np.arctan2(q[self._q[self._wide] + 1], q[self._q[self._wide]])
+        return out
+
 
 def sliding(model: pin.Model, names: Sequence[str]) -> NDArray[np.bool_]:
     """Which of the named joints slide instead of turning (joints,)."""
