@@ -86,6 +86,7 @@ def test_snakeboard_gains_a_bessel_function_of_momentum_per_cycle():
         p = board.model.mass_matrix(board.model.coordinates.to_q(z))[0] @ v
         gain = 2 * np.pi * (0.072 / 0.2) * 0.7 * j1(0.3)
         assert p == pytest.approx(cycles * gain, rel=1e-9)
+        assert gain == pytest.approx(0.2348424810, rel=1e-9)
 
 
 def test_snakeboard_keeps_its_energy_and_its_constraints_without_torques():
@@ -128,6 +129,32 @@ def test_roller_racer_with_four_real_wheels():
         a.pose_acceleration, (0.02245681504, 0.08262882089, -0.4957729468), rtol=1e-8
     )
     assert a.joint_torques[0] == pytest.approx(-0.0100247666, rel=1e-8)
+    # The same as knife edges with the wheels' masses merged, their spin as mass along the axles.
+    radius, track, mass, spin, across = 0.05, 0.08, 0.15, 1.875e-4, 9.375e-5
+    F = RACERS["F"]
+    plain = rr.machines.roller_racer(**F)
+    q = plain.model.coordinates.to_q(plain.model.start(S0, (0.6,)))
+    more = 2 * (mass * track**2 + across + spin * track**2 / radius**2)
+    M = plain.model.mass_matrix(q)
+    front = np.array((F["d1"] * np.cos(0.6) + F["d2"], -np.sin(0.6)))
+    # Velocities of both axles along and across their links, and both links' rates of turn.
+    c, s_ = np.cos(0.6), np.sin(0.6)
+    axles = [np.array(((1, 0, 0, 0), (0, 1, 0, 0))),
+             np.array(((c, s_, F["d1"] * s_, 0), (-s_, c, front[0], F["d2"])))]  # fmt: skip
+    for along, turns in zip(axles, ((0, 0, 1, 0), (0, 0, 1, 1)), strict=True):
+        masses = 2 * np.diag((mass + spin / radius**2, mass))
+        M = M + along.T @ masses @ along + more * np.outer(turns, turns)
+    wheels = racer.model
+    z = wheels.start(S0, (0.6,))
+    whole = wheels.mass_matrix(wheels.coordinates.to_q(z))
+    rows = wheels.rows(wheels.coordinates.to_q(z), np.zeros(wheels.model.nv), 0.0, None).jacobian
+    # Each wheel's rate follows from the other four velocities: by the rows that roll.
+    spins = -np.linalg.solve(rows[2:, 4:], rows[2:, :4])
+    follow = np.concatenate((np.eye(4), spins))
+    free = np.linalg.svd(rows[:2, :4])[2][2:].T
+    np.testing.assert_allclose(
+        free.T @ follow.T @ whole @ follow @ free, free.T @ M @ free, rtol=1e-12
+    )
 
 
 @pytest.mark.parametrize(
@@ -177,6 +204,17 @@ def test_trikke():
     close(t.pose[5], (1.665680427, 0.001586082339, -0.07688667899))
 
 
+def test_a_trikke_without_a_rider_is_a_roller_racer():
+    same = dict(d1=0.55, d2=-0.06, m1=4.0, I1=0.15, c1=0.2, m2=1.2, I2=0.02, c2=0.02)
+    trike, racer = rr.machines.trikke(**same, mr=0.0, Ir=0.0), rr.machines.roller_racer(**same)
+    state = dict(pose=S0, body_velocity=(0.535900256, 0, 0.3598193228))
+    xi = racer.evaluate(shape=(0.4,), shape_rates=(-0.8,), shape_accelerations=(0.9,), **state)
+    a = trike.evaluate(shape=(0.4, -0.5), shape_rates=(-0.8, 1.1),
+                       shape_accelerations=(0.9, -0.6), **state)  # fmt: skip
+    np.testing.assert_allclose(a.pose_acceleration, xi.pose_acceleration, atol=1e-13)
+    np.testing.assert_allclose(a.joint_torques, (xi.joint_torques[0], 0), atol=1e-13)
+
+
 def test_kinematic_snake():
     snake = rr.machines.kinematic_snake()
     state = dict(pose=S0, shape=(0.9, 0.5), shape_rates=(0.8, -1.2))
@@ -215,6 +253,8 @@ def test_sleigh_turns_and_goes_straight():
     v, omega = sleigh_in_closed_form(t.time)
     np.testing.assert_allclose(t.body_velocity[:, 0], v, atol=1e-10)
     np.testing.assert_allclose(t.body_velocity[:, 2], omega, atol=1e-10)
+    close(t.body_velocity[1, [0, 2]], (0.4940667578, 0.6545766439))
+    close(t.body_velocity[4, [0, 2]], (0.5219121703, 0.0641505824))
     close(t.pose[1], (0.2182175185, 0.06111036569, 0.4758040739))
     close(t.pose[4], (0.7877434105, 0.5791948962, 0.8603618160))
     assert np.abs(t.energy / t.energy[0] - 1).max() < 1e-10
@@ -226,6 +266,7 @@ def test_sleigh_turns_by_one_angle_in_all_of_time():
     v, omega = sleigh_in_closed_form(-14.0)
     t = sleigh.simulate(None, 30.0, start=(v, 0.0, omega), sample_interval=1.0)
     assert t.pose[-1, 2] == pytest.approx(np.pi * np.sqrt(1 + 0.04 / (1.5 * 0.04)), abs=1e-8)
+    assert t.pose[-1, 2] == pytest.approx(4.055778676, abs=1e-8)
 
 
 def test_sleigh_with_a_rotor():
@@ -273,6 +314,27 @@ def test_bad_machines_and_starts_are_refused():
         board.simulate(rr.gait("lateral"), 1.0)
     with pytest.raises(rr.ModelError, match="not both"):
         board.evaluate(shape_accelerations=(0, 0, 0), joint_torques=(0, 0, 0))
+
+
+def test_singular_shapes_say_where_and_which_wheels():
+    board = rr.machines.snakeboard()
+    turn = rr.SinusoidalGait(offset=(0, 0.2, 0.2), amplitude=(0.5, np.pi / 2, np.pi / 2),
+                             angular_frequency=1.0, phase=(0.0, np.pi / 2, np.pi / 2))  # fmt: skip
+    racer = rr.machines.roller_racer(d1=0.3, d2=0.3, I2=0.02)
+    with pytest.raises(rr.ConstraintError, match=r"shape \(3.142\).*'rear', 'front'"):
+        racer.evaluate(shape=(np.pi,), shape_rates=(0.0,), shape_accelerations=(1.0,))
+    with pytest.raises(rr.ConstraintError, match="singular"):
+        rr.machines.Reduction(racer).connection((np.pi,))
+    snake = rr.machines.kinematic_snake()
+    through = rr.SinusoidalGait(offset=(0.3, 0.3), amplitude=0.5, angular_frequency=1.0,
+                                phase=(0.0, 1.0))  # fmt: skip
+    with pytest.raises(rr.ConstraintError, match=r"shape at t = .*'rear', 'middle', 'front'"):
+        snake.simulate(through, 6.0)
+    aligned = r"shape .* 1.571, 1.571.: there the constraints 'front', 'back' depend on each other"
+    with pytest.raises(rr.ConstraintError, match=aligned):
+        board.simulate(turn, 6.0)
+    margin = rr.machines.Reduction(snake).margin
+    assert margin((0.4, -0.4)) < 1e-12 < 0.1 < margin((1.0, 1.0))
 
 
 def test_rr_simulate_takes_a_machine():

@@ -17,6 +17,7 @@ from rrrobot.integrate import Stepping, integrate, sample_times
 from rrrobot.machines.history import History
 from rrrobot.machines.lone import roll, rolls_alone
 from rrrobot.machines.mechanism import Mechanism
+from rrrobot.machines.singular import refuse_singular
 from rrrobot.machines.tree import Tree
 from rrrobot.rotations import rotation_from_quaternion
 
@@ -194,12 +195,15 @@ class Machine:
                 on a plane, which is taken for those unless another is named.
 
         Raises:
-            SimulationError: it had to stop, as at a singular shape: `trajectory` holds the rest.
+            ConstraintError: the gait passes a singular shape, or the start meets no constraint.
+            SimulationError: it had to stop, as where torques bring it to a singular shape:
+                `trajectory` holds the rest.
         """
         model = self.model
         gait, law = (drive, None) if isinstance(drive, Gait) else (None, drive)
         if gait is not None:
             model.check_shape(gait.n_legs)
+            refuse_singular(model, gait, duration)
         first = None if gait is None else gait(0.0)
         at = first.angle if first is not None else self.shape if shape is None else shape
         z = model.start(self._pose(pose), at if model.motors else None, passive)

@@ -27,6 +27,7 @@ from rrrobot.drive.gaits import Gait
 from rrrobot.errors import ConstraintError, ModelError
 from rrrobot.integrate import Stepping, integrate, sample_times
 from rrrobot.machines.machine import Machine
+from rrrobot.machines.singular import margin
 from rrrobot.machines.solve import decompose
 from rrrobot.rotations import quaternion_rate, rotation_from_quaternion
 
@@ -110,6 +111,13 @@ class Reduction:
         unit = np.concatenate((np.zeros((held.shape[0], k)), np.eye(k)))
         both = np.linalg.lstsq(matrix, np.concatenate((target, unit), axis=1), rcond=1e-13)[0]
         return LocalForm(both[:, : len(moved)], both[:, len(moved) :], free, rank)
+
+    def margin(self, shape: ArrayLike) -> float:
+        """How far a shape is from a singular one, 0 to 1: least over greatest singular value of
+        J_b; 1 where there is no constraint."""
+        if not self.model.constraints:
+            return 1.0
+        return margin(self.model, vector("shape", shape, self.model.n_shape))
 
     def connection(self, shape: ArrayLike) -> Array:
         """A (nb, n): xi = -A r_dot where p = 0."""

@@ -70,10 +70,11 @@ def _apart(
 ) -> tuple[Array, Array]:
     """The same by singular values."""
     rank, left, values, rows = decompose(jacobian)
-    off = left[:, rank:].T @ target
+    null = left[:, rank:]
+    off = null.T @ target
     if np.any(np.abs(off) > _AGREE * max(1.0, float(np.abs(target).max(initial=0.0)))):
         raise ConstraintError(
-            f"{where()}: the constraints {_named(left[:, rank:], names)} depend on each other and "
+            f"{where()}: the constraints {dependent(null, names)} depend on each other and "
             "contradict: no motion meets them. Keep the shape away from here, or leave one out."
         )
     meets = rows[:rank].T @ ((left[:, :rank].T @ target) / values[:rank])
@@ -131,7 +132,8 @@ def least(jacobian: Array, *targets: Array) -> list[Array]:
     return [inverse @ target for target in targets]
 
 
-def _named(null: Array, names: Sequence[str]) -> str:
+def dependent(null: Array, names: Sequence[str]) -> str:
+    """Names of the rows that combinations (m, k) of rows which vanish are made of."""
     parts = np.abs(null).max(axis=1)
     return ", ".join(repr(n) for n, p in zip(names, parts, strict=True) if p > 1e-6)
 
