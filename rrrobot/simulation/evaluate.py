@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import platform
+from functools import cache
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -140,6 +141,11 @@ def _rolling_motion(
 
 def versions() -> dict[str, str]:
     """Versions of what computes the numbers, for metadata."""
+    return dict(_versions())
+
+
+@cache
+def _versions() -> dict[str, str]:
     found = {"python": platform.python_version(), "pinocchio": str(pin.__version__)}
     for name in ("rrrobot", "numpy", "scipy"):
         try:

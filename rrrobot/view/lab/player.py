@@ -41,6 +41,7 @@ class Player:
         self._outcome: Outcome | None = None
         self._scene: Scene | None = None
         self._arrow: Any = None
+        self._dressed: tuple[Scene, float] | None = None
         self._followed = False
         self._thread = threading.Thread(target=self._play, name="rrrobot lab player", daemon=True)
 
@@ -62,8 +63,11 @@ class Player:
                 self.time = phase * outcome.period
             else:
                 self.time = 0.0
+            dressed = scene, outcome.knobs.friction
             self._outcome, self._scene = outcome, scene
-            self._dress(outcome, scene)
+            if dressed != self._dressed:
+                self._dressed = dressed
+                self._dress(outcome, scene)
         self.draw()
 
     def restart(self) -> None:
@@ -99,7 +103,7 @@ class Player:
         with self._client.atomic():
             for joint, place in pose.joints.items():
                 self._stage.place(scene.path(joint), place.homogeneous)
-            self._stage.place("/world/force", _at(contact_point(scene, pose, shift, outcome, at)))
+            self._stage.place("/world/force", _at(scene.ground.point(pose.contact)))
             self._stage.place("/world/mass", _at(centre))
             self._arrow.points = self._force(outcome, scene, shift, at)
             if self.follow or self._followed:
@@ -138,11 +142,6 @@ def moved(pose: Pose, shift: pin.SE3) -> Pose:
     joints = {joint: shift * at for joint, at in pose.joints.items()}
     contact = shift.rotation[:2, :2] @ pose.contact + shift.translation[:2]
     return Pose(joints, shift.act(pose.center), contact)
-
-
-def contact_point(scene: Scene, pose: Pose, shift: pin.SE3, outcome: Outcome, at: float) -> Array:
-    """Of the shell with the ground, in the world (3,) [m]."""
-    return np.asarray(scene.ground.point(pose.contact))
 
 
 def between(rows: Array, at: float) -> Array:

@@ -44,6 +44,7 @@ class Session:
         outcome: the motion that is shown.
         refusal: why the knobs have none of their own, if they have not.
         latency: from the last move of a slider to the update sent [s].
+        cost: processor time of that [s].
     """
 
     def __init__(
@@ -53,7 +54,7 @@ class Session:
         self.outcome: Outcome | None = None
         self._near = near
         self.refusal: str | None = None
-        self.latency = 0.0
+        self.latency = self.cost = 0.0
         self._stage = Stage(client.scene)
         self.player = Player(client, self._stage)
         self._scene: Scene | None = None
@@ -167,8 +168,7 @@ class Session:
                     return
                 assert self._wanted is not None
                 knobs, asked = self._wanted
-            self._answer(knobs)
-            self.latency = time.perf_counter() - asked
+            self._answer(knobs, asked)
             if self._wanted[0] is knobs:
                 self._show_ghosts(knobs)
             with self._wake:
@@ -176,8 +176,9 @@ class Session:
                     self._wanted = None
                     self._wake.notify_all()
 
-    def _answer(self, knobs: Knobs) -> None:
+    def _answer(self, knobs: Knobs, asked: float) -> None:
         """Compute and show; whatever goes wrong is said in the panel, and the page lives on."""
+        began = time.thread_time()
         late = threading.Timer(_LATE, self._tell_of_waiting)
         late.daemon = True
         late.start()
@@ -200,6 +201,7 @@ class Session:
             self._charts.show(outcome)
         self.outcome = outcome
         self.client.flush()
+        self.latency, self.cost = time.perf_counter() - asked, time.thread_time() - began
         self.player.show(outcome, scene)
         self.atlas.show(outcome)
         if first:
@@ -220,10 +222,11 @@ class Session:
         """The scene of this motion's robot and ground; drawn anew where they are others."""
         robot, ground = outcome.trajectory.robot, outcome.trajectory.ground
         scene = self._scene
-        if scene is not None and scene.robot is robot and (
-            np.array_equal(scene.normal, ground.normal(np.zeros(3)))
-        ):  # fmt: skip
-            return scene
+        level = ground.normal(np.zeros(3))
+        if scene is not None and np.array_equal(scene.normal, level):
+            # Another gravity or other losses look the same.
+            if scene.robot is robot or scene.robot.urdf == robot.urdf:
+                return scene
         new = Scene(robot, ground)
         if scene is not None:
             self._stage.remove("/world/robot")
