@@ -5,7 +5,7 @@ from pathlib import Path
 from tqdm import tqdm
 
 import rrrobot as rr
-from rrrobot.view.viewer import record
+from rrrobot.view.films import record
 
 DURATION, SETTLED = 30.0, 15.0  # [s]
 # Independent Kane derivation, cycle means after 15 s: speed [m/s], yaw rate [rad/s].

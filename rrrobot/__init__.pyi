@@ -94,7 +94,7 @@ from rrrobot.studies.optimisation.pareto import pareto_front as pareto_front
 from rrrobot.studies.optimisation.run import optimise as optimise
 from rrrobot.studies.optimisation.table import GaitLimits as GaitLimits
 from rrrobot.studies.sweeps.run import sweep as sweep
+from rrrobot.view.films import record as record
 from rrrobot.view.inline import show as show
 from rrrobot.view.lab.server import laboratory as laboratory
 from rrrobot.view.viewer import Viewer as Viewer
-from rrrobot.view.viewer import record as record

@@ -22,10 +22,11 @@ import pytest
 
 import rrrobot as rr
 from rrrobot.view.film import make_film
+from rrrobot.view.films import record
 from rrrobot.view.scene import Scene
 from rrrobot.view.server import _key, _put, pack
 from rrrobot.view.shapes import robot_visuals
-from rrrobot.view.viewer import Viewer, record
+from rrrobot.view.viewer import Viewer
 from tests.browser import Browser, find_browser
 
 SIZE = (320, 180)
@@ -240,7 +241,7 @@ def test_film_is_written_whole_or_not_at_all(trajectory, tmp_path, monkeypatch):
         ("a.html", {"speed": -1.0}, rr.ParameterError, "speed is -1"),
         ("a.html", {"fps": 1e9}, rr.ParameterError, "frames: the limit"),
         ("a.html", {"trace": "half"}, rr.ParameterError, "'whole'"),
-        ("a.mp4", {}, rr.OutputError, "ends in .html"),
+        ("a.avi", {}, rr.OutputError, "ends in .html"),
         ("missing/a.html", {}, rr.OutputError, "there is no folder"),
     ],
 )

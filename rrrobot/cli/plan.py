@@ -132,7 +132,7 @@ def _write(plan: Plan, files: dict[str, Path], rate: float) -> list[Path]:
 
             written.append(write_figure(plan.plot(trajectory).figure, files["plot"]))
         if "html" in files:
-            from rrrobot.view.viewer import record
+            from rrrobot.view.films import record
 
             written.append(record(trajectory, files["html"]))
     return written

@@ -11,8 +11,10 @@ from rrrobot.studies.optimisation.task import Progress as SearchProgress
 
 
 @contextmanager
-def progress_bar(duration: float, *, quiet: bool = False) -> Iterator[Progress | None]:
-    """Of the simulated time [s]."""
+def progress_bar(
+    duration: float, *, quiet: bool = False, doing: str = "simulating"
+) -> Iterator[Progress | None]:
+    """Of the simulated time, or a film's [s]."""
     if quiet or not sys.stderr.isatty():
         yield None
         return
@@ -20,7 +22,7 @@ def progress_bar(duration: float, *, quiet: bool = False) -> Iterator[Progress |
 
     form = "{desc} {percentage:3.0f}% |{bar}| {n:.3g} of {total:.3g} s, {remaining} left"
     with tqdm(
-        total=duration, desc="simulating", bar_format=form, leave=False, delay=1.0, file=sys.stderr
+        total=duration, desc=doing, bar_format=form, leave=False, delay=1.0, file=sys.stderr
     ) as bar:
         yield lambda time: bar.update(time - bar.n)
 

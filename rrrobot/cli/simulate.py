@@ -35,6 +35,7 @@ from rrrobot.simulation.trajectory import Trajectory
 SUFFIXES = {
     "plot": (".png", ".pdf", ".svg"),
     "html": (".html", ".htm"),
+    "film": (".mp4", ".gif", ".png", ".html"),
     "save": (".npz",),
     "csv": (".csv",),
     "mat": (".mat",),
@@ -49,6 +50,9 @@ class OutputOptions(Group):
     plot: str | None = option("--plot", metavar="FILE", help="Plots: .png, .pdf or .svg.")
     html: str | None = option(
         "--html", metavar="FILE", help="Film that plays in any browser: .html."
+    )
+    film: str | None = option(
+        "--film", metavar="FILE", help="Film as .mp4, .gif or .html, or its end as .png."
     )
     save: str | None = option(
         "--save",
@@ -172,15 +176,16 @@ def write_outputs(trajectory: Trajectory, files: dict[str, Path]) -> list[Path]:
         from rrrobot.drawing import write_figure
 
         written.append(write_figure(trajectory.plot("all"), files["plot"]))
-    if "html" in files:
-        from rrrobot.view.viewer import record
+    for key in ("html", "film"):
+        if key in files:
+            from rrrobot.view.films import record
 
-        written.append(record(trajectory, files["html"]))
+            written.append(record(trajectory, files[key]))
     return written
 
 
 def checked_file(key: str, name: str) -> Path:
-    """Path of an output option ("plot", "html", "save", "csv", "mat") that can be written.
+    """Path of an output option, a key of `SUFFIXES`, that can be written.
 
     Raises:
         OutputError: a wrong suffix, or no place to write.

@@ -84,6 +84,23 @@ class Numbers(_ParamType):
         return numbers if len(numbers) > 1 else numbers[0]
 
 
+class Size(_ParamType):
+    """WIDTHxHEIGHT -> two whole numbers [px]."""
+
+    name = "size"
+
+    def get_metavar(self, param: Any, ctx: Any = None) -> str:
+        return "WxH"
+
+    def convert(self, value: Any, param: Any, ctx: Any) -> tuple[int, int]:
+        if isinstance(value, tuple):
+            return value
+        wide, _, high = str(value).lower().partition("x")
+        if not (wide.isdigit() and high.isdigit()):
+            self.fail(f"{value!r} is no size: write it as 1280x720.", param, ctx)
+        return int(wide), int(high)
+
+
 NUMBER = Number()
 PER_LEG = Numbers()
 

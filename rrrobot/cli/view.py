@@ -12,7 +12,7 @@ from rrrobot.cli.options.drive import GAITS, GaitName
 from rrrobot.cli.progress import progress_bar
 from rrrobot.cli.report import to_json
 from rrrobot.cli.simulate import checked_file
-from rrrobot.cli.types import NUMBER
+from rrrobot.cli.types import NUMBER, Size
 from rrrobot.drive.gaits import gait as named_gait
 from rrrobot.drive.tables import read_gait
 from rrrobot.errors import MissingExtraError
@@ -40,6 +40,14 @@ from rrrobot.simulation.trajectory import Trajectory
 @click.option("--loop", is_flag=True, help="Play again and again.")
 @click.option("--no-browser", is_flag=True, help="Print the address, open no browser.")
 @click.option("--html", metavar="FILE", help="Write the film to this .html instead, and end.")
+@click.option(
+    "--film", metavar="FILE", help="Write it as .mp4, .gif or .html, or its end as .png, and end."
+)
+@click.option(
+    "--size", type=Size(), default="960x540", show_default=True, help="Of .mp4, .gif and .png [px]."
+)
+@click.option("--fps", type=NUMBER, default="30", show_default=True, help="Of a film [1/s].")
+@click.option("--follow", is_flag=True, help="The camera of a film goes with the robot.")
 @click.option("--quiet", is_flag=True, help="No progress bar.")
 def view(
     file: str | None,
@@ -49,6 +57,10 @@ def view(
     loop: bool,
     no_browser: bool,
     html: str | None,
+    film: str | None,
+    size: tuple[int, int],
+    fps: float,
+    follow: bool,
     quiet: bool,
 ) -> None:
     """Show a saved trajectory, or a gait of RRRobot, in the browser.
@@ -60,8 +72,13 @@ def view(
       rrrobot view --gait circular --loop
       rrrobot view run.npz --speed 0.5
       rrrobot view run.npz --html run.html
+      rrrobot view --gait circular --film circular.mp4 --size 1280x720
     """
+    if html is not None and film is not None:
+        raise click.UsageError("give --html or --film, not both.")
     target = None if html is None else checked_file("html", html)
+    if film is not None:
+        target = checked_file("film", film)
     if file is not None:
         trajectory = Trajectory.load(file)
     else:
@@ -71,9 +88,15 @@ def view(
             legs = named_gait(gait) if gait in GAITS else read_gait(gait)
             trajectory = simulate(model, legs, duration, progress=progress)
     if target is not None:
-        from rrrobot.view.viewer import record
+        from rrrobot.view.films import record
 
-        click.echo(f"wrote {record(trajectory, target, speed=speed)}")
+        length = (trajectory.time[-1] - trajectory.time[0]) / finite("speed", speed, above=0)
+        with progress_bar(float(length), quiet=quiet, doing="drawing") as progress:
+            record(
+                trajectory, target, speed=speed, size=size, fps=fps, follow=follow,
+                progress=progress,
+            )  # fmt: skip
+        click.echo(f"wrote {target}")
         return
     _serve(trajectory, speed=speed, loop=loop, open_browser=not no_browser)
 

@@ -7,7 +7,7 @@ from typing import Any
 from rrrobot.checks import finite
 from rrrobot.inline import html_frame
 from rrrobot.simulation.trajectory import Trajectory
-from rrrobot.view.viewer import film_html
+from rrrobot.view.films import film_html
 
 
 class InlineFilm:

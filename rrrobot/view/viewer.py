@@ -1,15 +1,12 @@
-"""Meshcat viewer: a motion as one HTML file, or live in a browser.
+"""Meshcat viewer: `Viewer` shows a robot in a browser while a script runs.
 
-`record` writes a film that plays in any browser, without a network or a server. `Viewer` shows a
-robot while a script runs; only this computer can open its page.
+Only this computer can open its page. Films that need neither are in `films.py`.
 """
 
 from __future__ import annotations
 
 import time
 import webbrowser
-from pathlib import Path
-from typing import Literal, TypeAlias
 
 import numpy as np
 import pinocchio as pin
@@ -17,96 +14,14 @@ from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, vector
 from rrrobot.contact.ground import Ground, Plane
-from rrrobot.errors import ModelError, OutputError, ParameterError
-from rrrobot.files import check_writable, write_whole
+from rrrobot.errors import ModelError, ParameterError
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.view.film import Film, make_film, thin
 from rrrobot.view.scene import Pose, Scene
-from rrrobot.view.server import SceneServer, film_page
-
-Trace: TypeAlias = bool | Literal["whole"]
+from rrrobot.view.server import SceneServer
 
 _PIECE = 100  # points of the live trace that are sent together
-
-
-def record(
-    trajectory: Trajectory,
-    path: str | Path,
-    *,
-    fps: float = 30.0,
-    speed: float = 1.0,
-    trace: Trace = True,
-    axes: bool = True,
-    follow: bool = False,
-) -> Path:
-    """Write a trajectory as a film: one HTML file that plays at once and over and over.
-
-    The page has Meshcat's controls: play, pause, reset, a slider for the time, a switch for each
-    object. The mouse turns, shifts and zooms the camera. The ground's grid gives the scale.
-
-    Args:
-        trajectory: what to show.
-        path: of the file, ending in .html.
-        fps: key frames per second of the film [1/s]; the browser interpolates between them.
-        speed: simulated seconds per second of the film.
-        trace: of the contact point: True grows with the motion, "whole" is there from the start,
-            False is none.
-        axes: whether to draw the axes of the world and of the shell: x red, y green, z blue.
-        follow: whether the camera goes with the robot; else the whole path is in view.
-
-    Returns:
-        the path.
-
-    Raises:
-        ParameterError: fps or speed out of range, or too many frames.
-        OutputError: the file cannot be written, or is no .html.
-
-    Warns:
-        UserWarning: meshes of the URDF that are missing are left out.
-
-    Example:
-        >>> import tempfile, rrrobot as rr
-        >>> from rrrobot.view.viewer import record
-        >>> model = rr.FullModel(rr.Robot.from_parameters())
-        >>> t = rr.simulate(model, rr.gait("lateral"), duration=1.0)
-        >>> with tempfile.TemporaryDirectory() as folder:
-        ...     record(t, folder + "/lateral.html").name
-        'lateral.html'
-    """
-    target = check_writable(path)
-    if target.suffix.lower() not in (".html", ".htm"):
-        raise OutputError(f"cannot write {str(target)!r}: a film's file ends in .html.")
-    page = film_html(trajectory, fps=fps, speed=speed, trace=trace, axes=axes, follow=follow)
-    return write_whole(target, page)
-
-
-def film_html(
-    trajectory: Trajectory,
-    *,
-    fps: float = 30.0,
-    speed: float = 1.0,
-    trace: Trace = True,
-    axes: bool = True,
-    follow: bool = False,
-) -> bytes:
-    """The page that `record` writes, with the same options."""
-    _check_trace(trace)
-    scene = Scene(trajectory.robot, trajectory.ground)
-    film = make_film(trajectory, fps=fps, speed=speed, detail=scene.detail)
-    poses = [scene.pose(q) for q in film.configuration]
-    scene.hold(poses)
-    centers = np.array([pose.center for pose in poses])
-    view = scene.view(centers, follow=follow)
-    commands = scene.objects(axes=axes)
-    commands += scene.camera(view) + scene.stage(centers, view) + scene.place(poses[0])
-    ribbon = bool(trace) and len(film.path) > 1
-    if ribbon:
-        commands.append(scene.trace(film.path, view))
-    if len(poses) > 1:
-        grown = film.reached - 1 if ribbon and trace is True else None
-        commands.append(scene.animation(poses, film.fps, follow=follow, grown=grown))
-    return film_page(_caption(trajectory, scene, speed), commands)
 
 
 class Viewer:
@@ -302,18 +217,3 @@ class Viewer:
         self._visited = np.vstack((low, high))
         self._wide = float(np.linalg.norm(high - low)) + 2 * self._scene.reach
         self._server.send(self._scene.stage(self._visited, self._view))
-
-
-def _check_trace(trace: Trace) -> None:
-    if trace not in (True, False, "whole"):
-        raise ParameterError(f"trace is {trace!r}: it must be True, False or 'whole'.")
-
-
-def _caption(trajectory: Trajectory, scene: Scene, speed: float) -> str:
-    duration = trajectory.time[-1] - trajectory.time[0]
-    parts = [
-        f"{trajectory.robot.name}, {trajectory.model_name} model, {duration:g} s",
-        *([f"{speed:g} x speed"] if speed != 1 else []),
-        f"grid {scene.spacing:g} m",
-    ]
-    return ", ".join(parts)

@@ -221,12 +221,14 @@ class Session:
     def _scene_for(self, outcome: Outcome) -> Scene:
         """The scene of this motion's robot and ground; drawn anew where they are others."""
         robot, ground = outcome.trajectory.robot, outcome.trajectory.ground
-        scene = self._scene
-        level = ground.normal(np.zeros(3))
-        if scene is not None and np.array_equal(scene.normal, level):
-            # Another gravity or other losses look the same.
-            if scene.robot is robot or scene.robot.urdf == robot.urdf:
-                return scene
+        scene, level = self._scene, ground.normal(np.zeros(3))
+        # Another gravity or other losses look the same.
+        if (
+            scene is not None
+            and np.array_equal(scene.normal, level)
+            and (scene.robot is robot or scene.robot.urdf == robot.urdf)
+        ):
+            return scene
         new = Scene(robot, ground)
         if scene is not None:
             self._stage.remove("/world/robot")
