@@ -61,6 +61,7 @@ from rrrobot.errors import ShellError as ShellError
 from rrrobot.errors import SimulationError as SimulationError
 from rrrobot.errors import SimulationInterrupted as SimulationInterrupted
 from rrrobot.errors import SlowWarning as SlowWarning
+from rrrobot.errors import SweepError as SweepError
 from rrrobot.errors import SweepInterrupted as SweepInterrupted
 from rrrobot.errors import UrdfError as UrdfError
 from rrrobot.errors import UrdfWarning as UrdfWarning

@@ -13,6 +13,17 @@ if TYPE_CHECKING:
     from rrrobot.steering.plans import Plan
 
 
+_LONGEST = 2000
+"""Characters of a message; a file's or a user's own words may be longer than anybody reads."""
+
+
+def shortened(text: str, longest: int = _LONGEST) -> str:
+    """A text of at most so many characters, cut in its middle where it is longer."""
+    if len(text) <= longest:
+        return text
+    return f"{text[: 3 * longest // 4 - 5]} ... {text[-longest // 4 :]}"
+
+
 class RRRobotError(Exception):
     """Root of all errors that rrrobot raises on purpose.
 
@@ -24,6 +35,9 @@ class RRRobotError(Exception):
         ...     print(error)
         leg_mass is -1.0 kg: it must be greater than zero and finite.
     """
+
+    def __init__(self, *args: object) -> None:
+        super().__init__(*(shortened(arg) if isinstance(arg, str) else arg for arg in args))
 
 
 class ParameterError(RRRobotError, ValueError):
@@ -99,6 +113,17 @@ class SimulationInterrupted(SimulationError, KeyboardInterrupt):
 
 class SweepInterrupted(RRRobotError, RuntimeError, KeyboardInterrupt):
     """Ctrl-C during a sweep; `dataset` holds what was computed, the rest of it is NaN."""
+
+    def __init__(self, message: str, dataset: xr.Dataset | None = None) -> None:
+        super().__init__(message)
+        self.dataset = dataset
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return (type(self), (str(self), self.dataset))
+
+
+class SweepError(OutputError, RuntimeError):
+    """A sweep's store or one of its workers failed; `dataset` holds what was computed."""
 
     def __init__(self, message: str, dataset: xr.Dataset | None = None) -> None:
         super().__init__(message)

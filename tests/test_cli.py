@@ -41,7 +41,7 @@ def good(*args: str) -> Result:
 
 def command(*args: str) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
-        [sys.executable, "-m", "rrrobot.cli.main", *args],
+        [sys.executable, "-m", "rrrobot", *args],
         capture_output=True,
         text=True,
         timeout=60,
@@ -544,7 +544,7 @@ def test_view_plays(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 def test_view_serves_until_ctrl_c() -> None:
-    args = [sys.executable, "-m", "rrrobot.cli.main", "view", "--duration", "0.2", "--no-browser"]
+    args = [sys.executable, "-m", "rrrobot", "view", "--duration", "0.2", "--no-browser"]
     with subprocess.Popen(
         args, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as process:
@@ -616,7 +616,7 @@ def test_command_fails_in_one_line() -> None:
 
 
 def test_reader_that_goes_away() -> None:
-    args = [sys.executable, "-m", "rrrobot.cli.main", "simulate", *SHORT]
+    args = [sys.executable, "-m", "rrrobot", "simulate", *SHORT]
     with subprocess.Popen(args, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
         assert process.stdout is not None
         assert process.stderr is not None

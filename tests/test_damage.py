@@ -1,5 +1,6 @@
 """Damaged, stale and hostile stores, caches and meshes: told, healed, never silent, never fatal."""
 
+import json
 import os
 import shutil
 import subprocess
@@ -243,6 +244,32 @@ def test_trajectories_with_faults_are_refused_by_name(saved, tmp_path, name, cha
     path = tmp_path / "bad.npz"
     np.savez_compressed(path, **arrays)
     with pytest.raises(rr.OutputError, match=says):
+        rr.Trajectory.load(path)
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("period", "0.8"),
+        ("period", -1.0),
+        ("period", True),
+        ("model", ["full"]),
+        ("gait", "lateral"),
+        ("has_contact", 1),
+        ("integration", {"continuous_memory": "0"}),
+        (None, [1, 2]),
+    ],
+)
+def test_metadata_of_other_types_is_refused_by_name(saved, tmp_path, name, value):
+    with np.load(saved) as archive:
+        arrays = dict(archive)
+    header = json.loads(str(arrays["header"]))
+    header["metadata"] = value if name is None else header["metadata"] | {name: value}
+    arrays["header"] = np.array(json.dumps(header))
+    path = tmp_path / "bad.npz"
+    np.savez_compressed(path, **arrays)
+    what = {"integration": "continuous_memory", None: "no mapping"}.get(name, name)
+    with pytest.raises(rr.OutputError, match=what):
         rr.Trajectory.load(path)
 
 

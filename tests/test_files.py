@@ -1,11 +1,15 @@
 """Files are written whole or not at all."""
 
 import os
+import signal
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 import rrrobot as rr
+from rrrobot import files
 from rrrobot.files import check_writable, make_folder, write_whole
 
 
@@ -105,3 +109,34 @@ def test_a_folder_is_made_with_its_parents(tmp_path):
     for bad in (tmp_path / "file", tmp_path / "file" / "below", "nul\0", ""):
         with pytest.raises(rr.OutputError, match=r"cannot make (the|a) folder"):
             make_folder(bad)
+
+
+def test_what_a_killed_process_left_behind_is_removed(tmp_path):
+    code = (
+        "import os, signal\nfrom rrrobot import files\n"
+        "os.replace = lambda *_: os.kill(os.getpid(), signal.SIGKILL)\n"
+        f"files.write_whole({str(tmp_path / 'a.txt')!r}, b'half')\n"
+    )
+    killed = subprocess.run([sys.executable, "-c", code], check=False)
+    assert killed.returncode == -signal.SIGKILL
+    (litter,) = tmp_path.iterdir()
+    alive = tmp_path / f"{litter.name.rpartition('.')[0].rpartition('.')[0]}.{os.getpid()}.x"
+    alive.write_bytes(b"of a run that goes on")
+    write_whole(tmp_path / "b.txt", b"whole")
+    assert sorted(p.name for p in tmp_path.iterdir()) == sorted((alive.name, "b.txt"))
+
+
+def test_a_pipe_that_says_nothing_is_left(tmp_path, monkeypatch):
+    monkeypatch.setattr(files, "_PATIENCE", 0.05)
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    end = os.open(pipe, os.O_RDWR)
+    try:
+        with pytest.raises(TimeoutError, match="nothing came from it"):
+            files.read_bytes(pipe)
+        os.write(end, b"some")
+        monkeypatch.setattr(files, "_LONGEST", 0.0)
+        with pytest.raises(TimeoutError, match="did not end"):
+            files.read_bytes(pipe)
+    finally:
+        os.close(end)

@@ -10,6 +10,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from concurrent.futures import ProcessPoolExecutor
 from contextlib import contextmanager
 from importlib import import_module
 from pathlib import Path
@@ -431,3 +432,61 @@ def test_status_comes_to_the_disk_last(store: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(os, "fsync", seen)
     sweep(FULL, offset=[0.5, 1.0], cycles=3, store=store)
     assert found == [(2, 0), (2, 2)]
+
+
+# Others
+
+
+def test_a_store_that_another_run_holds_is_refused(
+    whole: tuple[xr.Dataset, bytes], store: Path
+) -> None:
+    seen: list[str] = []
+
+    def other(done: int, _: int) -> None:
+        if done and not seen:
+            for resume in (True, False):
+                with pytest.raises(rr.OutputError, match="another run is writing") as error:
+                    sweep(FULL, **GRIDS, store=store, resume=resume)
+                seen.append(str(error.value))
+
+    sweep(FULL, **GRIDS, store=store, chunk=10, progress=other)
+    assert len(seen) == 2
+    assert store.read_bytes() == whole[1]
+
+
+@pytest.mark.parametrize("what", ["removed", "replaced"])
+def test_a_store_that_is_taken_away_is_noticed_before_the_next_chunk(
+    whole: tuple[xr.Dataset, bytes], store: Path, what: str
+) -> None:
+    def take(done: int, _: int) -> None:
+        if done >= 20 and store.exists() and store.read_bytes() != b"mine":
+            store.unlink()
+            if what == "replaced":
+                store.write_bytes(b"mine")
+
+    with pytest.raises(rr.SweepError, match=f"was {what} by another program") as error:
+        sweep(FULL, **GRIDS, store=store, chunk=10, threads=1, progress=take)
+    kept = error.value.dataset
+    assert kept is not None
+    computed = kept.status != -1
+    assert int(computed.sum()) >= 20
+    np.testing.assert_array_equal(kept.speed.where(computed), whole[0].speed.where(computed))
+    assert what == "removed" or store.read_bytes() == b"mine"
+
+
+def test_a_killed_worker_leaves_what_was_finished(
+    whole: tuple[xr.Dataset, bytes], store: Path
+) -> None:
+    with ProcessPoolExecutor(1) as pool:
+
+        def kill(done: int, _: int) -> None:
+            if done >= 20:
+                os.kill(next(iter(pool._processes)), signal.SIGKILL)
+
+        with pytest.raises(rr.SweepError, match=r"ended at once .*keeps them") as error:
+            sweep(FULL, **GRIDS, store=store, chunk=2, executor=pool, progress=kill)
+    kept = error.value.dataset
+    assert kept is not None
+    assert 20 <= int((kept.status != -1).sum()) == done(store) < SIZE
+    sweep(FULL, **GRIDS, store=store)
+    assert store.read_bytes() == whole[1]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Any, NoReturn
+from typing import Any
 
 import click
 
@@ -29,7 +29,7 @@ from rrrobot.cli.sensitivity import sensitivity_command
 from rrrobot.cli.simulate import simulate
 from rrrobot.cli.sweep import sweep_command
 from rrrobot.cli.view import robots, view
-from rrrobot.errors import RRRobotError
+from rrrobot.errors import RRRobotError, shortened
 
 INTERRUPTED = 130
 
@@ -92,12 +92,6 @@ for _command in (
     cli.add_command(_command)
 
 
-def main() -> NoReturn:
-    """Entry point of the command `rrrobot`."""
-    cli(prog_name="rrrobot")
-    raise SystemExit(0)
-
-
 @contextmanager
 def _warnings_as_lines() -> Iterator[None]:
     with warnings.catch_warnings():
@@ -111,8 +105,4 @@ def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
 
 
 def _one_line(message: object) -> str:
-    return " ".join(str(message).split())
-
-
-if __name__ == "__main__":
-    main()
+    return shortened(" ".join(str(message).split()))

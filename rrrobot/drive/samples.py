@@ -13,6 +13,7 @@ from rrrobot import serial
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import Gait, LegMotion
 from rrrobot.errors import GaitError
+from rrrobot.files import read_text
 
 _CLOSED = 1e-6
 """Difference of the last sample from the first, over the largest swing, that counts as none."""
@@ -86,7 +87,7 @@ class SampledGait(Gait):
             GaitError: the file cannot be read, or its numbers are no gait.
         """
         try:
-            text = Path(path).read_text(encoding="utf-8-sig")
+            text = read_text(path)
         except (OSError, ValueError) as error:
             raise GaitError(f"cannot read the gait {str(path)!r}: {error}.") from None
         lines = [line for line in text.splitlines() if line.strip() and line.strip()[0] != "#"]

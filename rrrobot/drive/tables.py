@@ -20,7 +20,7 @@ from rrrobot.drive.moves import LegMoves  # noqa: F401 (so that it is registered
 from rrrobot.drive.samples import SampledGait
 from rrrobot.drive.schedule import Schedule  # noqa: F401 (so that it is registered)
 from rrrobot.errors import GaitError, OutputError, ParameterError
-from rrrobot.files import write_whole
+from rrrobot.files import read_json, write_whole
 
 _MOST = 1_000_000
 _FIELDS = ("positions", "velocities", "accelerations")
@@ -203,7 +203,7 @@ def read_gait(path: str | Path) -> Gait:
     if source.suffix.lower() == ".csv":
         return SampledGait.from_csv(source)
     try:
-        data = json.loads(source.read_text(encoding="utf-8"))
+        data = read_json(source)
         if isinstance(data, dict) and "type" not in data and "gait" in data:
             data = data["gait"]
         made = gait_from_dict(data)

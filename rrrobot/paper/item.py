@@ -96,3 +96,18 @@ class Item:
 def rows_to_data(rows: tuple[Row, ...]) -> list[dict[str, Any]]:
     """As plain data, for JSON."""
     return [asdict(row) | {"ratio": row.ratio} for row in rows]
+
+
+def row_from_data(data: dict[str, Any]) -> Row:
+    """The row that `rows_to_data` wrote.
+
+    Raises:
+        TypeError, ValueError: it is none.
+    """
+    parts = {key: value for key, value in data.items() if key != "ratio"}
+    row = Row(**parts)
+    words = (row.quantity, row.unit, row.verdict, row.note)
+    numbers = all(isinstance(x, str | float | int) or x is None for x in (row.paper, row.ours))
+    if not all(isinstance(word, str) for word in words) or not numbers:
+        raise TypeError("an entry of a row is of another type")
+    return row

@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from rrrobot.errors import OutputError, ParameterError, RRRobotError
-from rrrobot.files import make_folder, write_whole
+from rrrobot.files import make_folder, read_json, write_whole
 from rrrobot.paper.claims import CLAIMS
 from rrrobot.paper.errata import ERRATA
-from rrrobot.paper.item import Item, rows_to_data
+from rrrobot.paper.item import Item, row_from_data, rows_to_data
 from rrrobot.paper.paths import PATHS
 from rrrobot.paper.planes import PLANES
 from rrrobot.paper.report import About, Section, markdown, page
@@ -159,10 +159,13 @@ def _make(item: Item, shop: Workshop, folder: Path, mark: str) -> Section:
 def _finished(folder: Path, item: Item, mark: str) -> Section | None:
     """What an earlier run of the same code made, if it is whole."""
     try:
-        data: dict[str, Any] = json.loads((folder / f"{item.key}.json").read_text())
+        data: dict[str, Any] = read_json(folder / f"{item.key}.json")
         if data.pop("made_by") != mark:
             return None
         section = Section(**data)
+        for row in section.rows:
+            if rows_to_data((row_from_data(row),)) != [row]:
+                return None
     except (OSError, ValueError, TypeError, KeyError, AttributeError):
         return None
     return section if all((folder / name).is_file() for name in section.files) else None

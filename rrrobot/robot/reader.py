@@ -7,23 +7,17 @@ rewritten.
 
 from __future__ import annotations
 
-import os
-import select
-import stat
-import time
 import xml.etree.ElementTree as ET
 from pathlib import Path
 from xml.etree.ElementTree import Element
 
 from rrrobot.errors import UrdfError
+from rrrobot.files import read_bytes
 from rrrobot.robot import markup
 from rrrobot.robot.faults import check
 from rrrobot.robot.markup import check_size, parse_xml
 from rrrobot.robot.tree import normalise
 from rrrobot.robot.xacro import expand_xacro, name_other_dialects, xacro_mark
-
-_PATIENCE = 10.0
-"""Time for which a pipe may say nothing [s]."""
 
 
 def parse_urdf(text: str) -> Element:
@@ -77,7 +71,7 @@ def read_urdf(source: str | Path) -> str:
         return _expanded(str(source), None)
     path = Path(source)
     try:
-        raw = _read(path)
+        raw = read_bytes(path, markup.MAX_BYTES)
     except FileNotFoundError:
         raise UrdfError(f"there is no URDF file {_name(path)}: check the path.") from None
     except (OSError, ValueError) as error:
@@ -104,26 +98,3 @@ def _expanded(text: str, path: Path | None) -> str:
 def _name(path: Path) -> str:
     text = str(path)
     return repr(text if len(text) <= 120 else f"{text[:117]}...")
-
-
-def _read(path: Path) -> bytes:
-    """A file's bytes up to the limit and one; of a pipe, what comes in while it is not silent."""
-    if stat.S_ISDIR(os.stat(path).st_mode):
-        raise IsADirectoryError(21, "Is a directory")
-    if stat.S_ISREG(os.stat(path).st_mode):
-        with path.open("rb") as stream:
-            return stream.read(markup.MAX_BYTES + 1)
-    handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
-    try:
-        raw, until = b"", time.monotonic() + _PATIENCE
-        while len(raw) <= markup.MAX_BYTES:
-            ready, *_ = select.select([handle], [], [], max(0.0, until - time.monotonic()))
-            if not ready:
-                raise TimeoutError(0, f"nothing came from it for {_PATIENCE:g} s")
-            piece = os.read(handle, 1 << 20)
-            if not piece:
-                break
-            raw += piece
-        return raw
-    finally:
-        os.close(handle)

@@ -16,10 +16,10 @@ from rrrobot.contact.ground import Ground, normals
 from rrrobot.contact.saved import ground_from_dict
 from rrrobot.drive.laws import Memory
 from rrrobot.errors import ModelError, OutputError
-from rrrobot.files import write_whole
+from rrrobot.files import read_bytes, write_whole
 from rrrobot.inline import html_table
 from rrrobot.robot.robot import Robot
-from rrrobot.simulation import export
+from rrrobot.simulation import export, saved
 from rrrobot.simulation.events import Hit
 from rrrobot.simulation.state import State
 from rrrobot.simulation.steady import SteadyState, steady_state
@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
 
-_LARGE, _RATIO = 100_000_000, 100
-"""Bytes from which an archive is suspicious that is packed to less than one part of so many."""
 FORMAT = "rrrobot trajectory 2"
 
 
@@ -264,18 +262,16 @@ class Trajectory:
             OutputError: the file is missing, damaged, or not a trajectory.
         """
         try:
-            with open(path, "rb") as stream, np.load(stream, allow_pickle=False) as archive:
-                _refuse_bombs(archive.zip)
-                header = json.loads(str(archive["header"]))
-                if header["format"] != FORMAT:
-                    raise ValueError(
-                        f"its format is {header['format']!r}, and this version reads {FORMAT!r}"
-                    )
-                arrays = {name: archive[name] for name in _ARRAYS}
+            header, arrays = saved.unpacked(read_bytes(path), _ARRAYS)
+            if header["format"] != FORMAT:
+                raise ValueError(
+                    f"its format is {header['format']!r}, and this version reads {FORMAT!r}"
+                )
             robot = Robot.from_dict(header["robot"])
-            _check_arrays(arrays, robot)
+            saved.check_arrays(arrays, robot)
             ground = ground_from_dict(header["ground"])
-            return cls(robot=robot, ground=ground, metadata=dict(header["metadata"]), **arrays)
+            metadata = saved.checked_metadata(header["metadata"])
+            return cls(robot=robot, ground=ground, metadata=metadata, **arrays)
         except FileNotFoundError:
             raise OutputError(f"there is no file {str(path)!r}: check the path.") from None
         except Exception as error:  # a damaged archive raises almost anything
@@ -305,38 +301,3 @@ class Trajectory:
 
 _OTHERS = ("robot", "ground", "metadata", "events", "end")
 _ARRAYS = tuple(f.name for f in fields(Trajectory) if f.name not in _OTHERS)
-
-
-def _check_arrays(arrays: Mapping[str, Array], robot: Robot) -> None:
-    legs, model = robot.n_legs, robot.model
-    columns = {
-        "euler": 3,
-        "euler_rates": 3,
-        "position": 2,
-        "leg_angle": legs,
-        "leg_rate": legs,
-        "contact_force": 3,
-        "leg_torque": legs,
-        "configuration": model.nq,
-        "velocity": model.nv,
-        "state": arrays["state"].shape[-1],
-        "memory": arrays["memory"].shape[-1],
-    }
-    n = arrays["time"].size
-    for name, array in arrays.items():
-        shape = (n, columns[name]) if name in columns else (n,)
-        if array.shape != shape or array.dtype != np.float64 or n == 0:
-            raise ValueError(f"{name} has shape {array.shape} of {array.dtype}, not {shape}")
-        if not np.all(np.isfinite(array)):
-            raise ValueError(f"{name} has values that are not finite")
-    if not np.all(np.diff(arrays["time"]) > 0):
-        raise ValueError("time does not increase")
-
-
-def _refuse_bombs(archive: Any) -> None:
-    """Refuse an archive that is small and large at once, before it is unpacked."""
-    members = archive.infolist()
-    packed = sum(member.compress_size for member in members)
-    whole = sum(member.file_size for member in members)
-    if whole > _LARGE and whole > _RATIO * packed:
-        raise ValueError(f"its {packed} bytes would unpack to {whole}")

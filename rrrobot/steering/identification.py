@@ -12,6 +12,7 @@ A pose does not tell the scale of all masses and the damping together: one mass 
 from __future__ import annotations
 
 import csv
+import io
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -23,6 +24,7 @@ from scipy.interpolate import make_interp_spline
 
 from rrrobot.checks import Array, finite
 from rrrobot.errors import OutputError, ParameterError, RRRobotError
+from rrrobot.files import read_text
 from rrrobot.inline import html_table
 from rrrobot.models.full import FullModel
 from rrrobot.robot.parameters import RRRobotParameters
@@ -76,8 +78,7 @@ class MeasuredRun:
             OutputError: it cannot be read, or lacks one of them.
         """
         try:
-            with open(path, newline="", encoding="utf-8") as stream:
-                rows = list(csv.reader(stream))
+            rows = list(csv.reader(io.StringIO(read_text(path), newline="")))
             head = [name.split("[")[0].strip() for name in rows[0]]
             missing = [name for name in COLUMNS if name not in head]
             if missing:

@@ -12,7 +12,7 @@ import numpy as np
 from rrrobot.checks import Array
 from rrrobot.drive.schedule import Schedule
 from rrrobot.errors import OutputError
-from rrrobot.files import write_whole
+from rrrobot.files import read_json, write_whole
 from rrrobot.inline import html_table
 from rrrobot.models import model_from_dict
 from rrrobot.models.base import Model
@@ -143,7 +143,7 @@ class Plan:
             OutputError: the file is missing, damaged, or no plan.
         """
         try:
-            data = json.loads(Path(path).read_text(encoding="utf-8"))
+            data = read_json(path)
             if data["format"] != FORMAT:
                 raise ValueError(f"its format is {data['format']!r}, not {FORMAT!r}")
             rest = Rest(

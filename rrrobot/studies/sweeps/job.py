@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import math
-from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, wait
 from functools import partial
 from typing import Any
 
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.errors import SweepInterrupted
+from rrrobot.errors import OutputError, SweepError, SweepInterrupted
 from rrrobot.studies.sweeps.grid import Plan
 from rrrobot.studies.sweeps.progress import Tell
 from rrrobot.studies.sweeps.store import NOT_COMPUTED, Layout, ResultsFile, curvature, pending
@@ -77,6 +78,20 @@ class Job:
             self._layout.dataset(self.columns),
         )
 
+    def failed(self, error: Exception) -> SweepError:
+        """The error of a store or a worker that failed."""
+        if isinstance(error, BrokenExecutor):
+            reason = "a process of the executor ended at once (killed, or out of memory)"
+        else:
+            reason = str(error).rstrip(".")
+        kept = "the error's .dataset holds them"
+        if self._file is not None and isinstance(error, BrokenExecutor):
+            kept = f"{str(self._file.path)!r} keeps them, and the same sweep goes on from there"
+        return SweepError(
+            f"{reason}. The sweep stopped after {self.done} of {self._layout.size} gaits; {kept}.",
+            self._layout.dataset(self.columns),
+        )
+
     def _collect(self, running: dict[Future[Array], tuple[int, Array]], tell: Tell) -> None:
         """Wait for a chunk, and keep all that are finished."""
         for future in wait(running, return_when=FIRST_COMPLETED).done:
@@ -89,7 +104,9 @@ class Job:
         for future in wait([future for future in running if not future.cancel()]).done:
             if future.exception() is None:
                 first, height = running[future]
-                self._keep(first, future.result(), height)
+                # What stopped the sweep may be the store.
+                with contextlib.suppress(OutputError):
+                    self._keep(first, future.result(), height)
 
     def _keep(self, first: int, result: Array, height: Array) -> None:
         from rrrobot.momentum.batch import LOADS, RESULT
@@ -103,7 +120,7 @@ class Job:
         turn = np.where(swings, -(turn % (2 * np.pi) - np.pi), np.nan)
         found["pitch_yaw_phase_difference"] = turn
         part = {name: found[name].astype(column.dtype) for name, column in self.columns.items()}
-        if self._file is not None:
-            self._file.write(first, part)
         for name, column in self.columns.items():
             column[first : first + len(result)] = part[name]
+        if self._file is not None:
+            self._file.write(first, part)

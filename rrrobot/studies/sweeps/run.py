@@ -11,26 +11,24 @@ from __future__ import annotations
 import json
 import math
 import os
-import warnings
 from collections.abc import Callable, Mapping, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
+from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor
 from contextlib import ExitStack
 from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 from numpy.typing import ArrayLike
 
-from rrrobot.checks import Array
 from rrrobot.drive.gaits import SinusoidalGait
-from rrrobot.errors import GroundClearanceWarning, ParameterError
+from rrrobot.errors import OutputError, ParameterError
 from rrrobot.models.base import Model
 from rrrobot.models.recombined import DecoupledModels
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.simulation.evaluate import versions
 from rrrobot.studies.sweeps.grid import Grid, Plan, run_settings, whole
 from rrrobot.studies.sweeps.job import Job
+from rrrobot.studies.sweeps.passing import warn_of_gaits
 from rrrobot.studies.sweeps.progress import progress_of
 from rrrobot.studies.sweeps.store import Layout, ResultsFile
 from rrrobot.studies.sweeps.variants import Variants, engine_of
@@ -129,9 +127,12 @@ def sweep(
         ModelError: a model that the engine does not know.
         OutputError: the store is another sweep's, or cannot be written.
         SweepInterrupted: Ctrl-C.
+        SweepError: the store was replaced or its disk failed, or a process of the executor was
+            killed; its `dataset` holds what was computed.
 
     Warns:
         GroundClearanceWarning: a gait swings a leg through the ground, `clearance` <= 0.
+        LimitWarning: gaits pass limits of the robot's file: position, rate and, with loads, effort.
 
     Example:
         >>> import numpy as np, rrrobot as rr
@@ -184,19 +185,10 @@ def sweep(
                     job.compute(executor, chunk, tell, _IN_FLIGHT)
         except KeyboardInterrupt:
             raise job.interrupted() from None
-    _warn_of_ground(job.columns["clearance"])
+        except (BrokenExecutor, OutputError) as error:
+            raise job.failed(error) from error
+    warn_of_gaits(model.robot, plan, job.columns)
     return layout.dataset(job.columns)
-
-
-def _warn_of_ground(heights: Array) -> None:
-    touching = np.count_nonzero(heights <= 0)
-    if touching:
-        warnings.warn(
-            f"{touching} of {heights.size} gaits swing a leg through the ground, which the models "
-            "know nothing of; their 'clearance' is zero or less.",
-            GroundClearanceWarning,
-            stacklevel=3,
-        )
 
 
 def _attrs(model: Model, base: RRRobotParameters | None, run: dict[str, int]) -> dict[str, Any]:

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from rrrobot.checks import Array
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable, write_whole
+from rrrobot.studies.sweeps.hold import hold, refuse_held, refuse_replaced
 from rrrobot.studies.sweeps.netcdf import begins, checksums, on_disk
 
 if TYPE_CHECKING:
@@ -147,7 +148,7 @@ class ResultsFile:
         resume: go on with an existing file; otherwise replace it.
 
     Raises:
-        OutputError: no place to write, no space, or another sweep's file.
+        OutputError: no place to write, no space, another sweep's file, or another run's now.
     """
 
     def __init__(self, path: str | Path, layout: Layout, *, resume: bool = True) -> None:
@@ -158,6 +159,7 @@ class ResultsFile:
         if resume and self.path.exists():
             self._refuse_others()
         else:
+            refuse_held(self.path)
             blank = layout.dataset(layout.empty(virtual=True))
             blank[_CHECKSUM] = tuple(layout.sizes), np.zeros(tuple(layout.sizes.values()), np.int32)
             content: Any = blank.to_netcdf(engine="scipy", format="NETCDF3_64BIT")
@@ -167,6 +169,11 @@ class ResultsFile:
             self._stream = self.path.open("r+b", buffering=0)
         except OSError as error:
             raise self._failure(error) from error
+        try:
+            hold(self._stream, self.path)
+        except OutputError:
+            self._stream.close()
+            raise
         try:
             self._begin = begins(self._stream)
             missing = {*layout.empty(virtual=True), _CHECKSUM} - self._begin.keys()
@@ -221,8 +228,9 @@ class ResultsFile:
         """Put a chunk's columns (n,) into the places first, first + 1, ...; status last.
 
         Raises:
-            OutputError: the file cannot be written.
+            OutputError: the file cannot be written, or another has taken its place.
         """
+        refuse_replaced(self._stream, self.path)
         try:
             for name, column in columns.items():
                 if name != "status":

@@ -1,0 +1,93 @@
+"""Which gaits of a sweep a robot's file does not allow, or swing a leg through the ground: told."""
+
+from __future__ import annotations
+
+import math
+import warnings
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rrrobot.checks import Array
+from rrrobot.errors import GroundClearanceWarning, LimitWarning
+from rrrobot.robot.robot import Robot
+from rrrobot.studies.sweeps.grid import Plan
+
+_AT_ONCE = 100_000
+_ROUNDING = 1e-9
+_MOST = 8
+
+
+def warn_of_gaits(robot: Robot, plan: Plan, columns: Mapping[str, NDArray[Any]]) -> None:
+    """Warn of gaits that the robot's file or the ground stands against.
+
+    Positions and rates are those of the swing, offset +- amplitude and amplitude x frequency.
+    Efforts are known of a sweep with loads: the largest torque of any leg, beside the least effort
+    that the file allows one.
+
+    Warns:
+        GroundClearanceWarning: how many gaits swing a leg through the ground.
+        LimitWarning: each joint and limit, how many gaits pass it, and by how much at most.
+    """
+    heights = columns["clearance"]
+    touching = int(np.count_nonzero(heights <= 0))
+    if touching:
+        warnings.warn(
+            f"{touching} of {heights.size} gaits swing a leg through the ground, which the models "
+            "know nothing of; their 'clearance' is zero or less.",
+            GroundClearanceWarning,
+            stacklevel=3,
+        )
+    if not robot.joints.limited:
+        return
+    told = [
+        f"{leg}: {what} in {count}, by up to {excess:.3g} {unit} beyond {limit:.4g}"
+        for (leg, what, unit, limit), (count, excess) in _passed(robot, plan).items()
+    ]
+    effort = float(np.min(robot.joints.effort, initial=math.inf))
+    if "peak_torque" in columns:
+        over = columns["peak_torque"] > effort * (1 + _ROUNDING)
+        if np.any(over):
+            most = float(np.nanmax(columns["peak_torque"]))
+            told.append(
+                f"a motor's effort in {np.count_nonzero(over)}, up to {most:.3g} N m where the "
+                f"least that the file allows is {effort:.4g}"
+            )
+    if told:
+        more = f"; and {len(told) - _MOST} more" if len(told) > _MOST else ""
+        warnings.warn(
+            f"of {heights.size} gaits, some pass limits of {robot.name}'s file, which stop nothing "
+            f"here: {'; '.join(told[:_MOST])}{more}.",
+            LimitWarning,
+            stacklevel=3,
+        )
+
+
+def _passed(robot: Robot, plan: Plan) -> dict[tuple[str, str, str, float], tuple[int, float]]:
+    """(leg, what, unit, limit) -> number of gaits beyond it, and the largest excess."""
+    joints, found = robot.joints, dict[tuple[str, str, str, float], tuple[int, float]]()
+    size = math.prod(plan.gait_sizes.values())
+    # The robots of a sweep over parameters have the same joints.
+    times = math.prod(plan.sizes.values()) // max(size, 1)
+    for first in range(0, size, _AT_ONCE):
+        gaits, _ = plan.gaits(first, min(first + _AT_ONCE, size))
+        swing = np.abs(gaits.amplitude)
+        rate = swing * np.abs(gaits.angular_frequency)[:, None]
+        for k, leg in enumerate(robot.legs):
+            cases: tuple[tuple[str, str, float, Array], ...] = (
+                ("position", "rad", joints.lower[k],
+                 joints.lower[k] - (gaits.offset - swing)[:, k]),
+                ("position", "rad", joints.upper[k],
+                 (gaits.offset + swing)[:, k] - joints.upper[k]),
+                ("rate", "rad/s", joints.velocity[k], rate[:, k] - joints.velocity[k]),
+            )  # fmt: skip
+            for what, unit, limit, excess in cases:
+                over = excess > _ROUNDING * max(1.0, abs(limit))
+                if math.isfinite(limit) and np.any(over):
+                    key = (leg, what, unit, float(limit))
+                    count, most = found.get(key, (0, 0.0))
+                    more = times * int(np.count_nonzero(over))
+                    found[key] = count + more, max(most, float(excess.max()))
+    return found
