@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import os
 import signal
 import subprocess
 import sys
@@ -624,3 +625,75 @@ def test_reader_that_goes_away() -> None:
         errors = process.stderr.read()
         process.wait(timeout=30)
     assert errors == b""
+
+
+# Whatever ends the command
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
+@pytest.mark.parametrize(
+    "args", [("simulate", *SHORT), ("simulate", *SHORT, "--json"), ("--help",)]
+)
+def test_a_full_standard_output_is_one_line(args: tuple[str, ...]) -> None:
+    with open("/dev/full", "w") as full:
+        done = subprocess.run(
+            [sys.executable, "-m", "rrrobot", *args],
+            stdout=full, stderr=subprocess.PIPE, text=True, check=False,
+        )  # fmt: skip
+    assert done.returncode == 1
+    assert done.stderr == "Error: cannot write standard output: No space left on device.\n"
+
+
+def test_ctrl_c_while_it_starts_is_one_line() -> None:
+    """An interrupt in the middle of the imports, wherever that is."""
+    code = (
+        "import sys, signal, os\n"
+        "class Stop:\n"
+        "    def find_spec(self, name, *_):\n"
+        "        if name == 'rrrobot.cli.sweep': os.kill(os.getpid(), signal.SIGINT)\n"
+        "sys.meta_path.insert(0, Stop())\n"
+        "from rrrobot.__main__ import main\n"
+        "main()\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "Interrupted: stopped.\n")
+
+
+def test_an_error_that_nobody_expected_is_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    code = (
+        "import rrrobot.cli.main as m\n"
+        "def broken(*_, **__): raise ZeroDivisionError('x ' * 9000)\n"
+        "m.cli = broken\nfrom rrrobot.__main__ import main\nmain()\n"
+    )
+    for asked, lines in (("", 1), ("1", 5)):
+        monkeypatch.setenv("RRROBOT_TRACEBACK", asked)
+        done = subprocess.run(
+            [sys.executable, "-c", code], capture_output=True, text=True, check=False
+        )
+        assert done.returncode == 1
+        assert len(done.stderr.splitlines()) >= lines
+        assert asked or (done.stderr.startswith("Error: ZeroDivisionError") and lines == 1)
+        assert asked or len(done.stderr) < 500
+
+
+def test_output_that_the_terminal_cannot_show_is_escaped(tmp_path: Path) -> None:
+    path = tmp_path / "r.urdf"
+    path.write_text(rr.rrrobot_urdf().replace('name="rrrobot"', 'name="r\u00f6hre"', 1), "utf-8")
+    done = subprocess.run(
+        [sys.executable, "-m", "rrrobot", "simulate", *SHORT, "--urdf", str(path),
+         "--shell-radius", "0.12"],
+        capture_output=True, check=False, env=os.environ | {"PYTHONIOENCODING": "ascii"},
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert rb"r\xf6hre" in done.stdout
+
+
+def test_messages_are_of_a_length_that_is_read(tmp_path: Path) -> None:
+    long = "x" * 10_000
+    for error in (rr.ParameterError(long), rr.OutputError(long), rr.GaitError(f"{long} end")):
+        assert len(str(error)) <= 2000
+    assert str(rr.GaitError(f"start {long} end")).endswith("end")
+    result = CliRunner().invoke(cli, ["view", f"{long}.npz"])
+    assert result.exit_code == 1
+    assert len(result.output.splitlines()) == 1
+    assert len(result.output) < 2100

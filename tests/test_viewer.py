@@ -15,6 +15,7 @@ import urllib.request
 import warnings
 from dataclasses import replace
 from pathlib import Path
+from xml.sax.saxutils import escape
 
 import numpy as np
 import pinocchio as pin
@@ -24,7 +25,7 @@ import rrrobot as rr
 from rrrobot.view.film import make_film
 from rrrobot.view.films import record
 from rrrobot.view.scene import Scene
-from rrrobot.view.server import _key, _put, pack
+from rrrobot.view.server import MOST_CONNECTIONS, _key, _put, pack
 from rrrobot.view.shapes import robot_visuals
 from rrrobot.view.viewer import Viewer
 from tests.browser import Browser, find_browser
@@ -68,7 +69,7 @@ def node(*path):
 
 def stands_at(configuration):
     place, turn = configuration[:3].tolist(), configuration[3:7].tolist()
-    body = node("world", "robot", "root_joint")
+    body = node("world", "robot", "1 root_joint")
     return (
         f"{body}.position.distanceTo(new MeshCat.THREE.Vector3(...{place})) < 1e-6"
         f" && {body}.quaternion.angleTo(new MeshCat.THREE.Quaternion(...{turn})) < 1e-4"
@@ -129,7 +130,7 @@ def test_browser_places_the_robot_where_pinocchio_does(browser, film, trajectory
         q = trajectory.configuration[round(t / 0.01)]
         pin.forwardKinematics(model, data, q)
         for joint in (1, 2, 3):
-            at = node("world", "robot", model.names[joint])
+            at = node("world", "robot", f"{joint} {model.names[joint]}")
             place = browser.run(f"{at}.position.toArray()")
             turn = pin.Quaternion(np.array(browser.run(f"{at}.quaternion.toArray()"))).matrix()
             np.testing.assert_allclose(place, data.oMi[joint].translation, atol=1e-6)
@@ -206,7 +207,7 @@ def test_any_robot_is_drawn(browser, tmp_path):
     # Each visual has been made into a mesh with triangles.
     names = [f"{i} {v.name}" for i, v in enumerate(robot_visuals(robot)) if v.joint == 1]
     for name in names:
-        shape = node("world", "robot", "root_joint", name, "<object>") + ".geometry"
+        shape = node("world", "robot", "1 root_joint", name, "<object>") + ".geometry"
         assert browser.run(f"{shape}.attributes.position.count") > 2
 
 
@@ -582,6 +583,73 @@ def test_a_tab_that_breaks_off_disturbs_nobody(trajectory, capfd):
         while last not in got:  # times out if it never comes
             got += stays.recv(1 << 20)
     assert "".join(capfd.readouterr()) == ""
+
+
+def test_a_request_s_body_is_refused_before_it_is_read(trajectory):
+    with Viewer(trajectory.robot) as viewer:
+        host, port = viewer.url.split("/")[2].split(":")
+        with socket.create_connection((host, int(port)), timeout=10) as opened:
+            head = f"POST / HTTP/1.1\r\nHost: {host}:{port}\r\nContent-Length: 98000000\r\n\r\n"
+            opened.sendall(head.encode())
+            taken = 0
+            try:
+                while taken < 98_000_000:
+                    taken += opened.send(b"x" * 65536)
+            except OSError:
+                pass
+        # What the system's own buffers hold may have gone out.
+        assert taken < 20_000_000
+        assert b"MeshCat" in urllib.request.urlopen(viewer.url, timeout=5).read()
+
+
+def test_connections_are_capped_and_come_free_again(trajectory):
+    with Viewer(trajectory.robot) as viewer:
+        host, port = viewer.url.split("/")[2].split(":")
+        idle = [
+            socket.create_connection((host, int(port)), timeout=10) for _ in range(MOST_CONNECTIONS)
+        ]
+        try:
+            with pytest.raises(OSError):
+                urllib.request.urlopen(viewer.url, timeout=5).read()
+        finally:
+            for one in idle:
+                one.close()
+        time.sleep(0.2)
+        assert b"MeshCat" in urllib.request.urlopen(viewer.url, timeout=5).read()
+
+
+HOSTILE_NAMES = ("constructor", "__proto__", "hasOwnProperty", "<object>", "a/b", "toString")
+
+
+@needs_browser
+def test_films_of_joints_with_names_of_javascript_s_own_play(browser, tmp_path):
+    """The last frame stands where Pinocchio puts each joint."""
+    solid = '<inertia ixx="1e-3" ixy="0" ixz="0" iyy="1e-3" iyz="0" izz="1e-3"/></inertial>'
+    seen = '<visual><geometry><sphere radius="0.02"/></geometry></visual>'
+    legs = "".join(
+        f'<link name="l{i}"><inertial><mass value="0.1"/>{solid}{seen}</link>'
+        f'<joint name="{escape(name)}" type="continuous"><parent link="body"/><child link="l{i}"/>'
+        f'<origin xyz="0 0.0{i} 0"/><axis xyz="0 1 0"/></joint>'
+        for i, name in enumerate(HOSTILE_NAMES)
+    )
+    text = (
+        f'<robot name="r"><link name="body"><inertial><mass value="1"/>{solid}</link>{legs}</robot>'
+    )
+    robot = rr.Robot.from_urdf(text, shell=rr.Sphere(0.3))
+    gait = rr.SinusoidalGait(offset=0.5, amplitude=0.3, angular_frequency=6.0, n_legs=6)
+    model = rr.FullModel(robot, damping=rr.BodyRateDamping(0.1, 0.1, 0.1))
+    t = rr.simulate(model, gait, duration=0.5)
+    browser.open(record(t, tmp_path / "names.html").as_uri())
+    browser.seek(0.5)
+    data, scene = robot.model.createData(), Scene(robot)
+    pin.forwardKinematics(robot.model, data, t.configuration[-1])
+    for joint in range(2, robot.model.njoints):
+        at = node(*scene.path(joint).strip("/").split("/"))
+        turn = pin.Quaternion(np.array(browser.run(f"{at}.quaternion.toArray()"))).matrix()
+        np.testing.assert_allclose(turn, data.oMi[joint].rotation, atol=1e-5)
+        place = browser.run(f"{at}.position.toArray()")
+        np.testing.assert_allclose(place, data.oMi[joint].translation, atol=1e-6)
+    assert browser.problems == []
 
 
 def test_only_the_newest_commands_wait_for_a_slow_tab():

@@ -27,7 +27,7 @@ _HEADER = 50_000_000
 """Bytes of the largest header; the robot's file is in it."""
 
 
-def unpacked(raw: bytes, names: Sequence[str]) -> tuple[dict[str, Any], dict[str, Array]]:
+def unpacked(raw: bytes, names: Sequence[str]) -> tuple[dict[str, Any], dict[str, Any]]:
     """Header and named arrays of an archive's bytes.
 
     Raises:

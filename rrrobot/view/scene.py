@@ -179,7 +179,8 @@ class Scene:
 
     def path(self, joint: int) -> str:
         """Node of the tree that moves with a joint."""
-        return f"/world/robot/{self.robot.model.names[joint].replace('/', '_')}"
+        # Meshcat keeps nodes as properties of an object, which has some, such as "constructor".
+        return f"/world/robot/{joint} {self.robot.model.names[joint].replace('/', '_')}"
 
     def place(self, pose: Pose) -> list[Command]:
         """Move the robot."""

@@ -23,6 +23,10 @@ import numpy as np
 from rrrobot.errors import MissingExtraError, OutputError
 
 LOOPBACK = "127.0.0.1"
+MOST_CONNECTIONS = 64
+"""Tabs take two each: one for the page, one for its commands."""
+_MOST_BYTES = 65536
+"""Of a request; pages ask with a few hundred, and send nothing."""
 
 _EXTENSIONS = {"float32": 0x17, "uint32": 0x16}
 _PAGE = """<!DOCTYPE html>
@@ -151,7 +155,10 @@ class SceneServer:
         from tornado.httpserver import HTTPServer
 
         self._loop, self._stop = asyncio.get_running_loop(), asyncio.Event()
-        server = HTTPServer(_application(self))
+        server = _limited(HTTPServer)(
+            _application(self), max_body_size=_MOST_BYTES, max_header_size=_MOST_BYTES,
+            max_buffer_size=2**20, idle_connection_timeout=60, body_timeout=10,
+        )  # fmt: skip
         self._socket.setblocking(False)
         server.add_socket(self._socket)
         ready.set()
@@ -197,6 +204,25 @@ def _put(commands: dict[_Key, bytes], key: _Key, data: bytes) -> None:
     commands[key] = data
 
 
+def _limited(kind: Any) -> Any:
+    """Tornado's server with so many connections at most; one more is closed as it comes."""
+
+    class Limited(kind):  # type: ignore[misc]
+        def initialize(self, *args: Any, **options: Any) -> None:
+            super().initialize(*args, **options)
+            self.open: list[Any] = []
+
+        def handle_stream(self, stream: Any, address: Any) -> None:
+            self.open = [other for other in self.open if not other.closed()]
+            if len(self.open) >= MOST_CONNECTIONS:
+                stream.close()
+                return
+            self.open.append(stream)
+            super().handle_stream(stream, address)
+
+    return Limited
+
+
 def _application(scene: SceneServer) -> Any:
     import asyncio
 
@@ -236,7 +262,9 @@ def _application(scene: SceneServer) -> Any:
             self.task.cancel()
             scene._tabs.discard(self)
 
-    application = web.Application(log_function=lambda _: None)
+    application = web.Application(
+        log_function=lambda _: None, websocket_max_message_size=_MOST_BYTES
+    )
     # Other host names are not ours: a hostile site may point one at the loopback address.
     handlers: list[Any] = [(r"/", Page), (r"/commands", Commands)]
     application.add_handlers(r"(127\.0\.0\.1|localhost)", handlers)

@@ -12,6 +12,9 @@ from rrrobot.checks import Array
 from rrrobot.drive.gaits.base import Gait, LegMotion, broadcast_legs
 from rrrobot.errors import GaitError
 
+_LARGEST = 1e6
+"""Angle whose sine is still good to 1e-10 [rad]."""
+
 
 @serial.register("sinusoidal")
 class SinusoidalGait(Gait):
@@ -28,7 +31,8 @@ class SinusoidalGait(Gait):
     Scalars are repeated for every leg.
 
     Raises:
-        GaitError: arrays of different sizes, entries that are not finite, omega <= 0.
+        GaitError: arrays of different sizes, entries that are not finite, omega <= 0, offsets or
+            phases beyond 1e6 rad.
 
     Example:
         >>> import numpy as np, rrrobot as rr
@@ -61,6 +65,12 @@ class SinusoidalGait(Gait):
                 f"angular_frequency is {self.angular_frequency.tolist()} rad/s: it must be "
                 "greater than zero; use StillLegs for legs that do not move."
             )
+        for name in ("offset", "phase"):
+            if np.any(np.abs(getattr(self, name)) > _LARGEST):
+                raise GaitError(
+                    f"{name} is {getattr(self, name).tolist()} rad: beyond {_LARGEST:g} rad the "
+                    "sines are rounding errors; take whole turns off."
+                )
         self.period = _common_period(self.angular_frequency)
 
     def __call__(self, time: ArrayLike) -> LegMotion:
