@@ -677,15 +677,14 @@ def test_an_error_that_nobody_expected_is_one_line(monkeypatch: pytest.MonkeyPat
 
 
 def test_output_that_the_terminal_cannot_show_is_escaped(tmp_path: Path) -> None:
-    path = tmp_path / "r.urdf"
-    path.write_text(rr.rrrobot_urdf().replace('name="rrrobot"', 'name="r\u00f6hre"', 1), "utf-8")
+    path = tmp_path / "r\u00f6hre.npz"
     done = subprocess.run(
-        [sys.executable, "-m", "rrrobot", "simulate", *SHORT, "--urdf", str(path),
-         "--shell-radius", "0.12"],
+        [sys.executable, "-m", "rrrobot", "simulate", *SHORT, "--save", str(path)],
         capture_output=True, check=False, env=os.environ | {"PYTHONIOENCODING": "ascii"},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert rb"r\xf6hre" in done.stdout
+    assert rb"r\xf6hre.npz" in done.stdout
+    assert path.exists()
 
 
 def test_messages_are_of_a_length_that_is_read(tmp_path: Path) -> None:
