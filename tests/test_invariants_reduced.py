@@ -157,15 +157,9 @@ def urdf_robot(**options: Any) -> rr.Robot:
     return rr.Robot.from_urdf(rr.urdf_path(), **({"shell": rr.Sphere(0.12)} | options))
 
 
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"shell": rr.Ellipsoid((0.12, 0.12, 0.13))}, "needs a spherical shell; this robot has"),
-        ({"shell_center": (0.0, 0.0, 0.01)}, "must be the shell's centre; this robot's shell is"),
-    ],
-)
-def test_robots_that_do_not_fit_are_refused(options: dict[str, Any], message: str) -> None:
-    robot = urdf_robot(**options)
+def test_robots_that_do_not_fit_are_refused() -> None:
+    robot = urdf_robot(shell=rr.Ellipsoid((0.12, 0.12, 0.13)))
+    message = "needs a spherical shell; this robot has"
     for kind in KINDS:
         with pytest.raises(rr.ModelError, match=f"the {kind.name} model .*{message}"):
             kind(robot)

@@ -30,13 +30,13 @@ class PivotingModel(Model):
     influence on it. `contact_force` of its trajectories is the pivot's reaction.
 
     Args:
-        robot: with a spherical shell about the root link's origin, on level ground.
+        robot: with a spherical shell, on level ground.
         ground: level; it gives the gravity.
         damping: the robot's own unless told otherwise: on RRRobot 0.01 N m s/rad on the roll and
             pitch rates, none on yaw, as eq (10); see `FullModel`.
 
     Raises:
-        ModelError: the robot has another shell, or a shell elsewhere.
+        ModelError: the robot has another shell, or the ground is not level.
 
     Example:
         >>> import rrrobot as rr

@@ -48,7 +48,7 @@ class DecoupledModels(Model):
     A gait with twice as many entries as the robot has legs moves the yaw model by the second half.
 
     Args:
-        robot: with a spherical shell about the root link's origin, on level ground.
+        robot: with a spherical shell, on level ground.
         roll, pitch, yaw: the models, with other dampings than the paper's.
 
     Raises:

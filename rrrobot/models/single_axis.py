@@ -107,7 +107,7 @@ class RollModel(SingleAxisModel):
     """Rolls sideways: roll only, with the rolling contact; q = (travel y, roll, legs...).
 
     Args:
-        robot: with a spherical shell about the root link's origin, on level ground.
+        robot: with a spherical shell, on level ground.
         ground: level; it gives the gravity.
         damping: the robot's own unless told otherwise: on RRRobot 0.01 N m s/rad.
 
@@ -132,7 +132,7 @@ class PitchModel(SingleAxisModel):
     """Rolls forward: pitch only, with the rolling contact; q = (travel x, pitch, legs...).
 
     Args:
-        robot: with a spherical shell about the root link's origin, on level ground.
+        robot: with a spherical shell, on level ground.
         ground: level; it gives the gravity.
         damping: the robot's own unless told otherwise: on RRRobot 0.01 N m s/rad.
 
@@ -162,7 +162,7 @@ class YawModel(SingleAxisModel):
     impulsive start it is zero: eq (14), the kinematic reduction.
 
     Args:
-        robot: with a spherical shell about the root link's origin, on level ground.
+        robot: with a spherical shell, on level ground.
         damping: none unless told otherwise.
 
     Example:

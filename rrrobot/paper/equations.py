@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, vector
+from rrrobot.errors import ModelError
 from rrrobot.models.full import FullModel
 from rrrobot.models.reduced import pivot_radius
 from rrrobot.rotations import (
@@ -60,6 +61,12 @@ def paper_equations(model: FullModel, q: ArrayLike, q_dot: ArrayLike) -> PaperEq
     n = 5 + model.n_legs
     q, q_dot = vector("q", q, n), vector("q_dot", q_dot, n)
     radius = pivot_radius(model.robot, "full", model.ground)
+    if np.any(centre := model.robot.shell_placement.translation):
+        raise ModelError(
+            "the paper's coordinates are of a robot whose root link's origin is the shell's "
+            f"centre; this one's is at {centre.tolist()} m. Take M, C, G in Pinocchio's "
+            "coordinates: model.equations."
+        )
     euler, rates = q[2:5], q_dot[2:5]
     (_, cp, cy), (_, _, sy) = np.cos(euler), np.sin(euler)
     rotation = rotation_from_euler(euler)

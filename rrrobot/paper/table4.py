@@ -126,7 +126,7 @@ def table_4(
     """Compare the models over a plane of gaits, each with the paper's damping.
 
     Args:
-        robot: RRRobot, or another with two legs and a sphere about its root link's origin.
+        robot: RRRobot, or another with two legs and a spherical shell.
         offsets: of both legs (m,) [rad].
         phase_differences: by which leg 2 leads leg 1 (n,) [rad].
         amplitude: of both legs [rad].

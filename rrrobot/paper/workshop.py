@@ -41,7 +41,7 @@ class Workshop:
 
     Args:
         quick: coarse grids, and the momentum method for the two gaits, for a first look.
-        robot: another with two legs and a sphere about the root link's origin; RRRobot if None.
+        robot: another with two legs and a spherical shell; RRRobot if None.
 
     Attributes:
         offset, phase_difference: the plane of gaits, 0 .. pi and 0 .. 2 pi [rad].

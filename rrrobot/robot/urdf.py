@@ -8,8 +8,8 @@ that the body keeps only the freedoms that a simplified model needs:
     pitch      travel (x), pitch (y)             rolls forward
     yaw        yaw (z)
 
-The chain starts at the given height, which is the shell's radius: the root link's origin, the
-shell's centre, then stands where it stands on the ground.
+The chain starts at the given height, which is the shell's radius, and ends at the shell's centre;
+where that is not the root link's origin, a fixed joint leads to the root link.
 """
 
 from __future__ import annotations
@@ -19,7 +19,10 @@ import xml.etree.ElementTree as ET
 from pathlib import Path
 from typing import Literal
 
-from rrrobot.checks import finite
+import numpy as np
+from numpy.typing import ArrayLike
+
+from rrrobot.checks import finite, vector
 from rrrobot.errors import UrdfError
 from rrrobot.files import write_whole
 from rrrobot.robot.faults import root_link
@@ -41,7 +44,9 @@ CHAINS: dict[str, tuple[tuple[str, str, str], ...]] = {
     "pitch": (("base_travel", "prismatic", "1 0 0"), ("base_pitch", "revolute", "0 1 0")),
     "yaw": (("base_yaw", "revolute", "0 0 1"),),
 }
-"""Joints (name, type, axis) from the world to the root link of each reduced-joint URDF."""
+"""Joints (name, type, axis) from the world to the shell's centre of each reduced-joint URDF."""
+_TO_CENTRE = "shell_centre"
+"""Fixed joint from the last of them to a root link whose origin is elsewhere."""
 
 _COLOURS = {
     "shell": "0.93 0.91 0.86 1",
@@ -107,13 +112,16 @@ def rrrobot_urdf(parameters: RRRobotParameters | None = None) -> str:
     return _text(robot)
 
 
-def reduced_urdf(urdf: str, kind: ReducedKind, *, height: float = 0.0) -> str:
+def reduced_urdf(
+    urdf: str, kind: ReducedKind, *, height: float = 0.0, centre: ArrayLike = (0.0, 0.0, 0.0)
+) -> str:
     """The URDF with the body's freedoms reduced to those of a simplified model.
 
     Args:
         urdf: text of any URDF with one root link.
         kind: "pivoting", "roll", "pitch" or "yaw"; see the module's table.
-        height: of the root link's origin above the ground [m].
+        height: of the centre above the ground [m].
+        centre: what the body turns about, in the root link's frame (3,) [m].
 
     Returns:
         the URDF as text: a new root link `world`, then the chain, then the robot as it was.
@@ -129,12 +137,15 @@ def reduced_urdf(urdf: str, kind: ReducedKind, *, height: float = 0.0) -> str:
     """
     if kind not in CHAINS:
         raise UrdfError(f"kind is {kind!r}: it must be one of {', '.join(CHAINS)}.")
-    height = finite("height", height, "m")
+    height, centre = finite("height", height, "m"), vector("centre", centre, 3)
     robot = parse_urdf(urdf)
     root = root_link(robot)
     taken = {str(e.get("name")) for tag in ("link", "joint") for e in robot.findall(tag)}
-    links = ["world", *(f"{name}_link" for name, _, _ in CHAINS[kind][:-1]), root]
-    clash = sorted(taken & ({*links[:-1]} | {name for name, _, _ in CHAINS[kind]}))
+    aside = bool(np.any(centre))
+    chain = [f"{name}_link" for name, _, _ in (CHAINS[kind] if aside else CHAINS[kind][:-1])]
+    links = ["world", *chain, root]
+    joints = {name for name, _, _ in CHAINS[kind]} | ({_TO_CENTRE} if aside else set())
+    clash = sorted(taken & ({*links[:-1]} | joints))
     if clash:
         raise UrdfError(
             f"the URDF already has {', '.join(clash)}: rename it; the {kind} chain needs that name."
@@ -143,6 +154,8 @@ def reduced_urdf(urdf: str, kind: ReducedKind, *, height: float = 0.0) -> str:
         ET.SubElement(robot, "link", name=link)
     for i, (name, joint, axis) in enumerate(CHAINS[kind]):
         _joint(robot, name, joint, links[i], links[i + 1], (0, 0, 0 if i else height), axis)
+    if aside:
+        _joint(robot, _TO_CENTRE, "fixed", links[-2], root, tuple(-centre))
     robot.set("name", f"{robot.get('name', 'robot')}_{kind}")
     return _text(robot)
 

@@ -102,7 +102,7 @@ def plan_yaw(
     at a time, to a posture that is better for loops.
 
     Args:
-        robot: with two legs or more whose shell is centred on the root link's origin.
+        robot: with two legs or more and a spherical shell.
         start: (theta, phi_1, ..., phi_n) [rad].
         goal: likewise.
         limits: (low, high) of every leg, or a row for each (legs, 2) [rad]; none unless given.

@@ -96,7 +96,7 @@ def compare(
     """Simulate the full, pivoting and decoupled models on a gait, each with the paper's damping.
 
     Args:
-        robot: with a spherical shell about the root link's origin, on level ground.
+        robot: with a spherical shell, on level ground.
         gait: with a period.
         duration: [s]; the steady state is measured over its second half.
         sample_interval: [s].
