@@ -677,13 +677,13 @@ def test_an_error_that_nobody_expected_is_one_line(monkeypatch: pytest.MonkeyPat
 
 
 def test_output_that_the_terminal_cannot_show_is_escaped(tmp_path: Path) -> None:
-    path = tmp_path / "r\u00f6hre.npz"
+    path = tmp_path / "\u0142\u00f3d\u017a.npz"
     done = subprocess.run(
         [sys.executable, "-m", "rrrobot", "simulate", *SHORT, "--save", str(path)],
-        capture_output=True, check=False, env=os.environ | {"PYTHONIOENCODING": "ascii"},
+        capture_output=True, check=False, env=os.environ | {"PYTHONIOENCODING": "latin-1"},
     )  # fmt: skip
     assert done.returncode == 0, done.stderr
-    assert rb"r\xf6hre.npz" in done.stdout
+    assert rb"\u0142" + b"\xf3d" + rb"\u017a.npz" in done.stdout
     assert path.exists()
 
 
