@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from numbers import Real
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -86,6 +87,22 @@ def vector(
         shown = f"{array.tolist()} {unit}".rstrip()
         raise error(f"{name} is {shown}: every entry must be finite.")
     return array
+
+
+def told(progress: object) -> Any:
+    """A function that is told how far a run is, or None for None and False.
+
+    Raises:
+        ParameterError: anything else; only sweeps have a bar of their own (True).
+    """
+    if progress is None or progress is False:
+        return None
+    if not callable(progress):
+        raise ParameterError(
+            f"progress is {progress!r}: it must be a function that is called as the run goes on, "
+            "or None for none."
+        )
+    return progress
 
 
 def _number(bound: float) -> str:

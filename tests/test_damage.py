@@ -130,6 +130,42 @@ def test_a_damaged_cache_heals_and_a_whole_one_is_used(tmp_path):
     assert in_process(**place)[:2] == (first[0], 1)
 
 
+@pytest.mark.parametrize("n", [60, pytest.param(600, marks=pytest.mark.slow)])
+def test_damaged_caches_are_read_whole_or_not_at_all(tmp_path, n):
+    """Flipped bits, cut ends and files under each other's names, of index and data alike."""
+    rng = np.random.default_rng(3)
+    whole = {("int64",): list(range(50)), ("float64",): {"code": b"x" * 300}}
+
+    def file():
+        return cache._File(str(tmp_path), "f", cache.engine_hash())
+
+    for key, data in whole.items():
+        file().save(key, data)
+    assert all(file().load(key) == data for key, data in whole.items())
+    raw = {path: path.read_bytes() for path in sorted(tmp_path.iterdir())}
+    assert len(raw) == 3
+    missing = 0
+    for k in range(n):
+        for path, content in raw.items():
+            path.write_bytes(content)
+        path = list(raw)[rng.integers(3)]
+        damaged = bytearray(raw[path])
+        if k % 3 == 0:
+            damaged[rng.integers(len(damaged))] ^= 1 << rng.integers(8)
+        elif k % 3 == 1:
+            del damaged[rng.integers(len(damaged)) :]
+        else:
+            damaged = raw[list(raw)[rng.integers(3)]]
+        path.write_bytes(damaged)
+        for key, data in whole.items():
+            found = file().load(key)
+            assert found is None or found == data
+            missing += found is None
+            file().save(key, data)
+            assert file().load(key) == data
+    assert missing > n // 2
+
+
 def test_without_a_folder_to_write_code_is_kept_for_the_process(monkeypatch):
     monkeypatch.setattr(cache, "_folders", lambda: iter((Path("/proc/none"),)))
     cache.cache_folder.cache_clear()
@@ -284,13 +320,15 @@ def test_a_small_file_may_not_take_gigabytes(saved, tmp_path):
 
 
 @pytest.mark.slow
-def test_two_hundred_damaged_trajectories_are_read_whole_or_refused(saved, tmp_path):
+def test_three_hundred_damaged_trajectories_are_read_whole_or_refused(saved, tmp_path):
     rng = np.random.default_rng(1)
     raw, whole = saved.read_bytes(), rr.Trajectory.load(saved)
-    for _ in range(200):
+    for k in range(300):
         damaged = bytearray(raw)
         for at in rng.integers(len(raw), size=rng.integers(1, 4)):
             damaged[at] ^= 1 << rng.integers(8)
+        if k % 3 == 2:
+            del damaged[rng.integers(len(raw)) :]
         path = tmp_path / "d.npz"
         path.write_bytes(damaged)
         try:

@@ -91,27 +91,42 @@ class _Implementation(caching.CompileResultCacheImpl):  # type: ignore[misc, unu
 
 
 class _File(caching.IndexDataCacheFile):  # type: ignore[misc, unused-ignore]
-    """Numba's files with a checksum over each; whatever is damaged is not there."""
+    """Numba's files, each sealed by a checksum over its name and content.
+
+    Whatever is damaged, or lies under another's name, is not there.
+    """
 
     def _load_index(self) -> Any:
         try:
-            return super()._load_index()
-        except Exception:  # a damaged pickle raises almost anything
+            version, stamp, overloads = pickle.loads(self._opened(self._index_name))
+        except Exception:  # no index, another version's, or damage, which raises almost anything
             return {}
+        fresh = (version, stamp) == (self._version, self._source_stamp)
+        return overloads if fresh else {}
+
+    def _save_index(self, overloads: Any) -> None:
+        whole = self._version, self._source_stamp, overloads
+        self._seal(self._index_name, self._dump(whole))
 
     def _load_data(self, name: str) -> Any:
-        raw = Path(self._data_path(name)).read_bytes()
-        if hashlib.sha256(raw[32:]).digest() != raw[:32]:
-            raise OSError(f"{name} is damaged")
-        return pickle.loads(raw[32:])
-
-    def _dump(self, obj: Any) -> bytes:
-        return bytes(super()._dump(obj))
+        return pickle.loads(self._opened(name))
 
     def _save_data(self, name: str, data: Any) -> None:
-        raw = self._dump(data)
+        self._seal(name, self._dump(data))
+
+    def _opened(self, name: str) -> bytes:
+        raw = Path(self._data_path(name)).read_bytes()
+        if _digest(name, raw[32:]) != raw[:32]:
+            raise OSError(f"{name} is damaged")
+        return raw[32:]
+
+    def _seal(self, name: str, raw: bytes) -> None:
         with self._open_for_write(self._data_path(name)) as stream:
-            stream.write(hashlib.sha256(raw).digest() + raw)
+            stream.write(_digest(name, raw) + raw)
+
+
+def _digest(name: str, raw: bytes) -> bytes:
+    return hashlib.sha256(name.encode() + b"\0" + raw).digest()
 
 
 class EngineCache(caching.FunctionCache):  # type: ignore[misc, unused-ignore]

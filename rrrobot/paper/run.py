@@ -11,6 +11,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from rrrobot.checks import told
 from rrrobot.errors import OutputError, ParameterError, RRRobotError
 from rrrobot.files import make_folder, read_json, write_whole
 from rrrobot.paper.claims import CLAIMS
@@ -92,7 +93,7 @@ def reproduce(
     finished = {item.key: found for item in ITEMS if (found := _finished(folder, item, mark))}
     kept = [item.key for item in chosen if item.key in finished] if resume else []
     shop = Workshop(quick=quick)
-    tell = progress or (lambda key, done, total: None)
+    tell = told(progress) or (lambda key, done, total: None)
     todo = [item for item in chosen if item.key not in kept]
     try:
         for i, item in enumerate(todo):

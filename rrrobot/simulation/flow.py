@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rrrobot.checks import Array, finite, vector
+from rrrobot.checks import Array, finite, told, vector
 from rrrobot.drive.gaits import Gait
 from rrrobot.drive.laws import Memory, MotionState, TorqueLaw
 from rrrobot.drive.torques import LegTorques
@@ -207,7 +207,7 @@ class Flow:
         state.require(self.model, torque_driven=torque_driven)
         recall = Recall(self.model, self.drive, state) if torque_driven else None
         track = Track(self.model, state.euler, times.size, recall)
-        effort = Effort(self, times, progress)
+        effort = Effort(self, times, told(progress))
         result, lane, hits = self._run(state, times, recall, track, tuple(events), effort)
         if recall is not None and (fault := recall.asked.ended()) is not None:
             raise GaitError(fault)

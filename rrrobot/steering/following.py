@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rrrobot.checks import Array, finite, vector
+from rrrobot.checks import Array, finite, told, vector
 from rrrobot.drive.schedule import Schedule
 from rrrobot.errors import ParameterError
 from rrrobot.models.base import Model
@@ -187,6 +187,7 @@ def follow(
         (True, None)
     """
     finite("duration", duration, "s", above=0)
+    tell = told(progress)
     if gear not in STEERED:
         raise ParameterError(f"gear is {gear!r}: a path is followed in {' or '.join(STEERED)}.")
     seer = Sensor() if sensor is None else sensor
@@ -225,8 +226,8 @@ def follow(
         drive = _steer(known, near, box, fast)
         robot.cycle(drive.offset, drive.amplitude, drive.phase_difference)
         known.go(drive, period)
-        if progress is not None:
-            progress((number + 1) * period)
+        if tell is not None:
+            tell((number + 1) * period)
     driven = len(robot.means)
     robot.stand()
     for _ in range(int(np.ceil(robot.settling / period))):

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 
-from rrrobot.checks import finite
+from rrrobot.checks import finite, told
 from rrrobot.drive.gaits import Gait, SinusoidalGait
 from rrrobot.errors import GaitError, ModelError
 from rrrobot.inline import html_table
@@ -114,7 +114,7 @@ def compare(
     """
     if gait.period is None:
         raise GaitError("the gait has no period, so the models have no steady state to compare.")
-    tell = progress or (lambda name: None)
+    tell = told(progress) or (lambda name: None)
     runs: dict[str, Trajectory] = {}
     tell("full")
     runs["full"] = simulate(FullModel(robot), gait, duration, sample_interval, method=method)

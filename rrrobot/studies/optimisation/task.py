@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rrrobot.checks import Array
+from rrrobot.checks import Array, told
 from rrrobot.studies.optimisation.goals import Goal
 from rrrobot.studies.optimisation.space import Population, Space
 from rrrobot.studies.optimisation.table import GaitLimits, Table
@@ -50,7 +50,7 @@ class Evaluator:
         budget: int,
         progress: Progress | None = None,
     ) -> None:
-        self.engine, self.space, self.progress = engine, space, progress
+        self.engine, self.space, self.progress = engine, space, told(progress)
         self.budget = self.allowed = budget
         self.used = 0
         self._points: list[Array] = []

@@ -6,6 +6,8 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from rrrobot.checks import told
+
 Tell = Callable[[int], None]
 """Told the number of gaits that are done."""
 
@@ -22,6 +24,8 @@ def progress_of(
         what: title of the bar.
         total, done: gaits in all, and those that are done already.
     """
+    if not isinstance(wish, bool):
+        wish = told(wish)
     if callable(wish):
         wish(done, total)
         yield lambda now: wish(now, total)
