@@ -18,6 +18,7 @@ from rrrobot import steering as steering
 from rrrobot import studies as studies
 from rrrobot import view as view
 from rrrobot.belly.fit import fit_belly as fit_belly
+from rrrobot.belly.mjcf import to_mjcf as to_mjcf
 from rrrobot.constraints import Constraint as Constraint
 from rrrobot.constraints import RollingContact as RollingContact
 from rrrobot.constraints import contact_drift as contact_drift

@@ -222,6 +222,22 @@ def test_a_real_robot_on_a_rock_and_on_the_floor():
     assert len(figure.axes) == 2
 
 
+def test_links_and_joints_may_share_names_when_joints_are_locked():
+    # ANYmal C has a link and a joint LF_HFE; Pinocchio's own reduction takes one for the other.
+    whole = rr.Robot.from_example("anymal_c", shell=rr.Sphere(0.4))
+    legs = ("LF_HFE", "RF_HFE")
+    held = rr.Robot.from_example("anymal_c", shell=rr.Sphere(0.4), legs=legs)
+    assert held.legs == legs and len(held.locked) == 10
+    q = pin.neutral(whole.model)
+    q[7 + whole.legs.index("LF_HFE")] = 0.3
+    own = np.concatenate((q[:7], (0.3, 0.0)))
+    centers = [
+        pin.centerOfMass(robot.model, robot.model.createData(), at)
+        for robot, at in ((whole, q), (held, own))
+    ]
+    assert centers[0] == pytest.approx(centers[1], abs=1e-12)
+
+
 def test_bad_bellies_are_named():
     plain = board().replace("<collision>", "<sensor>").replace("</collision>", "</sensor>")
     bare = rr.Robot.from_urdf(plain, shell=rr.Sphere(1.0))

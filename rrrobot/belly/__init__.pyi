@@ -7,6 +7,7 @@ from rrrobot.belly.feasible import feasibility as feasibility
 from rrrobot.belly.feasible import limit_event as limit_event
 from rrrobot.belly.fit import fit_belly as fit_belly
 from rrrobot.belly.found import Belly as Belly
+from rrrobot.belly.mjcf import to_mjcf as to_mjcf
 from rrrobot.belly.ranges import RollingRange as RollingRange
 from rrrobot.belly.shapes import Piece as Piece
 from rrrobot.belly.shapes import Shapes as Shapes

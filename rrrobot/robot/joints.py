@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from typing import Any
 from xml.etree.ElementTree import Element
 
@@ -20,6 +20,7 @@ from rrrobot.robot.tree import for_pinocchio, turn_over
 
 # Pinocchio's memory grows with the cube of the freedoms: 240 MB here, tens of GB for 1000.
 _MAX_LEGS = 150
+_OF_JOINT = " (joint)"
 
 
 class JointIndex:
@@ -118,8 +119,21 @@ def build_model(
         q = pin.neutral(model)
         index = JointIndex(model, list(held))
         index.write(q, np.array(list(held.values())))
-        model = pin.buildReducedModel(model, [model.getJointId(name) for name in held], q)
+        indices = [model.getJointId(name) for name in held]
+        # Pinocchio looks frames up by their names alone, which links and joints may share.
+        _rename(model, lambda name: name + _OF_JOINT)
+        model = pin.buildReducedModel(model, indices, q)
+        _rename(model, lambda name: name.removesuffix(_OF_JOINT))
     return model
+
+
+def _rename(model: pin.Model, renamed: Callable[[str], str]) -> None:
+    """Change the names of joints, and of all frames but the bodies'."""
+    for i, name in enumerate(model.names.tolist()):
+        model.names[i] = renamed(name)
+    for frame in model.frames:
+        if frame.type != pin.FrameType.BODY:
+            frame.name = renamed(frame.name)
 
 
 def _pinocchio_model(text: str, root_joint: Any) -> pin.Model:
