@@ -4,7 +4,7 @@ Each robot has the belly that `rr.fit_belly` finds, and MuJoCo reads it from `rr
 bodies, joints and shell, legs on servos, Coulomb friction, soft contact. The gait and the start are
 the same. Told are the way of the base's origin and its turn, and by how much MuJoCo's differ.
 
-Run: python -m benchmarks.ideal [folder for the figure]
+Run: python -m benchmarks.ideal, which writes docs/ideal.md and docs/images/ideal.png.
 """
 
 from __future__ import annotations
@@ -19,7 +19,8 @@ import mujoco
 import numpy as np
 
 import rrrobot as rr
-from rrrobot.drawing import legend_above, line, new_figure, tidy, write_figure
+from rrrobot.drawing import line, new_figure, tidy, write_figure
+from rrrobot.files import write_whole
 
 Array = np.ndarray[Any, Any]
 STEP = 0.5e-3
@@ -184,27 +185,53 @@ def parted(ours: Track, theirs: Track) -> float:
     return float(ours.time[np.argmax(apart)]) if apart.any() else np.inf
 
 
+PAGE = """# How good is the ideal?
+
+Written by `python -m benchmarks.ideal` (extra `bench`). Every model here rolls without slipping,
+on rigid ground, with legs that follow their gait exactly. MuJoCo, which reads the same robot and
+belly from [`rr.to_mjcf`](reference/bellies.md), has Coulomb friction, soft contacts and servos.
+Each run is {cycles} cycles from the same start; compared are the base's origin and its heading.
+
+![Paths of the base, ideal and in MuJoCo](images/ideal.png)
+
+{table}
+
+Why they part:
+
+- Not for friction: the ideal needs less than {friction:.2f} everywhere, and where MuJoCo has only
+  0.3 the peaks that need more are too short to move anything far.
+- Servos and soft contacts are what differs. Near a rocking mode's resonance a small lag of the
+  legs changes the rocking, and with it the way. With servos five times faster and a stiffer
+  contact the ends of the paths are at most {apart:.1f} mm apart, the turns {turned:.0f} degrees.
+- Parts that stand out of the shell are no part of the ideal. RRRobot's URDF draws bands a
+  millimetre proud of its ball: let them touch, and the ball rolls on them. A belly's
+  [fit and rolling range](reference/bellies.md) are there to tell.
+"""
+
+
 def main(folder: Path) -> str:
-    """The table, as Markdown; the figure is written into the folder."""
+    """The page, as Markdown, into the folder, and the figure into its folder of images."""
     head = (
         "| robot | friction needed | MuJoCo | way, ideal [mm] | way, MuJoCo [mm] "
-        "| turn, ideal [deg] | turn, MuJoCo [deg] | apart at the end [mm] "
-        "| parted by a tenth at [s] |"
+        "| turn, ideal [deg] | turn, MuJoCo [deg] | ends apart [mm] | parted by a tenth at [s] |"
     )
-    rows = [head, "|---|---|---|---|---|---|---|---|---|"]
-    figure = new_figure(11.0, 3.4)
+    rows, most, last, turned = [head, "|---|---|---|---|---|---|---|---|---|"], 0.0, 0.0, 0.0
+    figure = new_figure(11.0, 4.0)
     for ax, case in zip(figure.subplots(1, len(CASES)), CASES, strict=True):
         ours, others, found = compared(case)
+        most = max(most, found.peak_friction)
         ax.plot(*(1e3 * ours.place[:, :2].T), **line(0), label="ideal")
         for i, (name, theirs) in enumerate(others.items()):
-            if i in (0, len(others) - 1):
-                ax.plot(
-                    *(1e3 * theirs.place[:, :2].T), **line(1 + (i > 0)), label=f"MuJoCo, {name}"
-                )
+            if name in (WORLDS[0].name, WORLDS[-1].name):
+                shown = name if i == 0 else "servos five times faster, stiff contact"
+                style = line(1 + (i > 0))
+                ax.plot(*(1e3 * theirs.place[:, :2].T), **style, label=f"MuJoCo: {shown}")
             n = min(len(ours.time), len(theirs.time))
-            apart = 1e3 * np.linalg.norm(ours.place[n - 1] - theirs.place[n - 1])
+            apart = float(1e3 * np.linalg.norm(ours.place[n - 1] - theirs.place[n - 1]))
+            last = max(last, apart) if i == len(WORLDS) - 1 else last
             way = [1e3 * np.linalg.norm(t.place[n - 1] - t.place[0]) for t in (ours, theirs)]
             turn = [np.rad2deg(t.yaw[n - 1] - t.yaw[0]) for t in (ours, theirs)]
+            turned = max(turned, abs(turn[1] - turn[0])) if i == len(WORLDS) - 1 else turned
             when = parted(ours, theirs)
             rows.append(
                 f"| {case.name} | {found.peak_friction:.2f} | {name} | {way[0]:.1f} | {way[1]:.1f} "
@@ -214,10 +241,19 @@ def main(folder: Path) -> str:
         tidy(ax, "x [mm]", "y [mm]")
         ax.set_title(case.name, fontsize=9)
         ax.set_aspect("equal", adjustable="datalim")
-    legend_above(figure.axes[0])
-    write_figure(figure, folder / "ideal.png")
-    return "\n".join(rows) + "\n"
+    handles, labels = figure.axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside upper center", ncols=3, frameon=False, fontsize=8)
+    write_figure(figure, folder / "images" / "ideal.png")
+    numbers = {
+        "cycles": CASES[0].cycles,
+        "friction": np.ceil(100 * most) / 100,
+        "apart": last,
+        "turned": turned,
+    }
+    page = PAGE.format(table="\n".join(rows), **numbers)
+    write_whole(folder / "ideal.md", page.encode())
+    return page
 
 
 if __name__ == "__main__":
-    print(main(Path(sys.argv[1] if len(sys.argv) > 1 else ".")))
+    print(main(Path(sys.argv[1] if len(sys.argv) > 1 else "docs")))

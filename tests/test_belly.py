@@ -222,6 +222,7 @@ def test_a_real_robot_on_a_rock_and_on_the_floor():
     assert len(figure.axes) == 2
 
 
+@pytest.mark.filterwarnings("ignore::rrrobot.UrdfWarning")
 def test_links_and_joints_may_share_names_when_joints_are_locked():
     # ANYmal C has a link and a joint LF_HFE; Pinocchio's own reduction takes one for the other.
     whole = rr.Robot.from_example("anymal_c", shell=rr.Sphere(0.4))
@@ -252,11 +253,14 @@ def test_bad_bellies_are_named():
     with pytest.raises(rr.UrdfError, match="there is no URDF file 'solo13'"):
         rr.fit_belly("solo13")
     lost = board().replace(f'<box size="{LENGTH} {WIDTH} {HEIGHT}"/>', '<mesh filename="no.stl"/>')
-    with pytest.raises(rr.ShellError, match=r"'no.stl' is not found"):
+    with pytest.raises(rr.ShellError, match=r"'no.stl' is not found"), pytest.warns(rr.UrdfWarning):
         rr.fit_belly(rr.Robot.from_urdf(lost, shell=rr.Sphere(1.0)))
+    tight = rr.fit_belly(robot(arms=False), ground=rr.Boulder(-0.3), form="sphere")
+    assert "curves tighter than the shell" in tight.reason and not tight.stable
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::rrrobot.UrdfWarning")
 @pytest.mark.parametrize("name", ["solo8", "anymal", "anymal_c", "a1", "go1", "b1", "laikago"])
 def test_every_quadruped_has_a_belly(name):
     for ground in (None, rr.Boulder(0.4)):

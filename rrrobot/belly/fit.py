@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,7 @@ from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.shells import FlatBelly
 from rrrobot.contact.surfaces import Sphere, Surface
 from rrrobot.contact.touching import check_pair
-from rrrobot.errors import ParameterError, ShellError
+from rrrobot.errors import ParameterError, ShellError, UrdfWarning
 from rrrobot.models.full import FullModel
 from rrrobot.robot.examples import example_robots
 from rrrobot.robot.joints import JointIndex
@@ -72,6 +73,9 @@ def fit_belly(
             flat face below the centre of mass.
         ParameterError: a number or a word out of range.
 
+    Warns:
+        UrdfWarning: meshes that cannot be read, which are left out.
+
     Example:
         >>> import rrrobot as rr
         >>> belly = rr.fit_belly(rr.Robot.from_parameters())
@@ -85,6 +89,13 @@ def fit_belly(
         raise ParameterError(f"tilt is {tilt!r} rad: a belly is fitted for at most 60 degrees.")
     robot, ground = _robot_of(robot), Plane() if ground is None else ground
     shapes = Shapes.of(robot, geometry)
+    if shapes.missing:
+        warnings.warn(
+            f"the belly of {robot.name} is fitted without meshes that cannot be read: "
+            f"{'; '.join(shapes.missing)}. Say with package_dirs= where they lie.",
+            UrdfWarning,
+            stacklevel=2,
+        )
     work = _Work(robot, ground, shapes, tilt)
     if posture is None:
         angle, begin = None, np.clip(np.zeros(robot.n_legs), robot.joints.lower, robot.joints.upper)
@@ -261,7 +272,12 @@ class _Work:
         """All that keeps it from rolling, in words."""
         said = []
         height, radii, clear = stands
-        if isinstance(rest, str) or not rest.stable:
+        if radii.min() <= 0:
+            said.append(
+                "the ground curves tighter than the shell, which touches it at its rim: fit a "
+                "rounder one with a larger tilt=, or take wider ground"
+            )
+        elif isinstance(rest, str) or not rest.stable:
             axis = ("roll", "pitch")[int(np.argmin(radii))]
             margin = float((radii - height).min())
             if margin <= 0:

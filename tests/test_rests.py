@@ -1,0 +1,98 @@
+"""Where a robot rests on slopes and uneven ground, how it rocks there, and when it rolls away."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import rrrobot as rr
+from rrrobot.belly.rests import rest_of, standing
+
+UP = np.full(2, np.pi / 2)
+RADIUS = 0.12
+
+
+@pytest.fixture(scope="module")
+def robot():
+    return rr.Robot.from_parameters()
+
+
+def depth(robot):
+    """Of the centre of mass below the ball's middle, legs up [m]."""
+    q = np.concatenate((pin.neutral(robot.model)[:7], UP))
+    return -pin.centerOfMass(robot.model, robot.model.createData(), q)[2]
+
+
+def periods(model, euler=(0.0, 0.0, 0.0)):
+    found = rr.orbits.modes(model, UP, euler)
+    return {m.axis: m.period for m in found if np.isfinite(m.period)}
+
+
+@pytest.mark.parametrize("share", [0.3, 0.9])
+def test_a_ball_rests_tilted_on_a_slope(robot, share):
+    # The centre of mass stands over the contact: e sin(tilt) = r sin(slope).
+    e = depth(robot)
+    slope = np.arcsin(share * e / RADIUS)
+    ground = rr.Plane(normal=(0.0, -np.sin(slope), np.cos(slope)))
+    model = rr.FullModel(robot, ground=ground, damping=None)
+    rest = rest_of(model, UP)
+    assert abs(rest.euler[0]) == pytest.approx(np.arcsin(share), abs=1e-9)
+    assert rest.euler[1] == pytest.approx(0.0, abs=1e-9) and rest.stable
+    # It stays there.
+    t = rr.simulate(model, rr.StillLegs(UP), 2.0, euler=rest.euler, start="rest")
+    assert np.abs(t.position).max() < 1e-7
+    # And rocks there with the period that its modes have.
+    t = rr.simulate(
+        model, rr.StillLegs(UP), 8.0, euler=rest.euler + np.array((1e-3, 0, 0)), start="rest"
+    )
+    (mode,) = [m for m in rest.modes if m.axis == "roll" and np.isfinite(m.period)]
+    measured = rr.orbits.measured_period(t, "roll", about=rest.euler[0])
+    assert measured == pytest.approx(mode.period, rel=1e-4)
+
+
+def test_on_a_steeper_slope_it_rolls_away(robot):
+    slope = np.arcsin(1.02 * depth(robot) / RADIUS)
+    ground = rr.Plane(normal=(0.0, -np.sin(slope), np.cos(slope)))
+    with pytest.raises(rr.ModelError, match="no rest was found"):
+        rr.orbits.equilibrium(rr.FullModel(robot, ground=ground, damping=None), UP)
+    belly = rr.fit_belly(robot, ground=ground, posture=UP)
+    assert not belly.stable and belly.rest is None and belly.modes == ()
+    assert "does not rest" in belly.reason
+
+
+@pytest.mark.parametrize(("a", "b"), [(2.0, 2.0), (3.0, -1.5), (-1.0, -2.0)])
+def test_a_graph_s_curvature_stiffens_each_axis_by_its_own(robot, a, b):
+    # z = (a x^2 + b y^2)/2 has B = -(a, b) at its origin: w^2 goes with 1/(1/r + B) - h, the
+    # moments about the contact being those of the plane.
+    ground = rr.Graph(
+        lambda x, y: 0.5 * (a * x * x + b * y * y),
+        lambda x, y: (a * x, b * y),
+        lambda x, y: ((a, 0.0), (0.0, b)),
+    )
+    plane = rr.FullModel(robot, damping=None)
+    uneven = rr.FullModel(robot, ground=ground, damping=None)
+    height, flat = standing(plane, UP)
+    same, radii = standing(uneven, UP)
+    assert same == pytest.approx(height, abs=1e-12)
+    assert flat == pytest.approx([RADIUS, RADIUS])
+    # A roll takes the curvature along y, a pitch that along x.
+    assert radii == pytest.approx([1 / (1 / RADIUS - b), 1 / (1 / RADIUS - a)], rel=1e-9)
+    own, there = periods(plane), periods(uneven)
+    for axis, radius in zip(("roll", "pitch"), radii, strict=True):
+        wanted = own[axis] * np.sqrt((RADIUS - height) / (radius - height))
+        assert there[axis] == pytest.approx(wanted, rel=1e-6)
+
+
+def test_on_a_sharp_ridge_it_tips_over_in_one_axis(robot):
+    height, _ = standing(rr.FullModel(robot, damping=None), UP)
+    sharp = 1 / height - 1 / RADIUS
+    for factor, stable in ((0.98, True), (1.02, False)):
+        b = -factor * sharp
+        ground = rr.Graph(
+            lambda x, y, b=b: 0.5 * b * y * y,
+            lambda x, y, b=b: (0.0, b * y),
+            lambda x, y, b=b: ((0.0, 0.0), (0.0, b)),
+        )
+        rest = rest_of(rr.FullModel(robot, ground=ground, damping=None), UP)
+        assert rest.stable == stable
+        growing = [m.axis for m in rest.modes if m.decay_rate < -1e-3]
+        assert growing == ([] if stable else ["roll"])
