@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 import rrrobot as rr
 from rrrobot.figures import maps
+from rrrobot.figures.shades import Shades
 from rrrobot.studies.modulation import amplitude_modulation, pitch_yaw_phase_difference
 from rrrobot.studies.sweeps.run import sweep
 
@@ -81,22 +82,55 @@ def test_units_of_a_map(full: xr.Dataset, name: str, label: str) -> None:
 
 def test_contours_have_their_values(full: xr.Dataset) -> None:
     ax = maps.value_map(full.yaw_rate)
-    contours = ax.collections[1]
-    assert 0.0 in contours.levels.round(12)
+    kind = Shades.of(full.yaw_rate, full.yaw_rate.to_numpy())
+    assert kind.kind == "signed"
+    assert 0.0 in kind.levels()
     texts = {text.get_text() for text in ax.texts}
     assert len(texts) > 3
-    assert texts <= {f"{level + 0.0:g}" for level in contours.levels}
+    assert texts <= {f"{level:g}" for level in kind.levels()}
     places = [(ax.transData - ax.transAxes).transform(text.get_position()) for text in ax.texts]
     for i, one in enumerate(places):
         for other in places[:i]:
             assert np.hypot(*(one - other)) > 0.05
 
 
-def test_grey_tells_more_from_less() -> None:
-    red, green, blue, _ = maps._colours()(np.linspace(0, 1, 64)).T
-    lightness = 0.299 * red + 0.587 * green + 0.114 * blue
-    assert (np.diff(lightness) < 0).all()
-    assert lightness[-1] > 0.3
+def lightness(kind: str) -> np.ndarray:
+    red, green, blue, _ = Shades(kind=kind, low=-1, high=1).colours()(np.linspace(0, 1, 64)).T
+    return 0.299 * red + 0.587 * green + 0.114 * blue
+
+
+def test_amounts_grow_darker() -> None:
+    shades = lightness("amount")
+    assert (np.diff(shades) < 0).all()
+    assert shades[-1] > 0.3
+
+
+def test_signed_values_part_from_white_at_zero(full: xr.Dataset) -> None:
+    shades = lightness("signed")
+    assert (np.diff(shades[:30]) > 0).all() and (np.diff(shades[-30:]) < 0).all()
+    assert shades[31:33].min() > 0.95
+    low, high = maps.value_map(full.yaw_rate).collections[0].get_clim()
+    assert low == -high == -float(np.abs(full.yaw_rate).max())
+    # A map that is negative alone is an amount; rounding below zero does not change that.
+    assert Shades.of(-full.speed, -full.speed.to_numpy()).kind == "amount"
+    assert Shades.of(full.speed, full.speed.to_numpy() - 1e-9).kind == "amount"
+
+
+def test_zero_lines_are_straight_where_the_mechanics_is_mirrored(full: xr.Dataset) -> None:
+    """Legs at offset pi/2, or swinging against each other, do not turn the robot."""
+    lines = [c for c in maps.value_map(full.yaw_rate).collections[1:] if c.get_linewidth()[0] > 1.5]
+    points = np.concatenate([path.vertices for line in lines for path in line.get_paths()])
+    middle = points[np.abs(points[:, 1] - np.pi / 2) < 0.3]
+    on_row = np.abs(middle[:, 1] - np.pi / 2) < 1e-5
+    on_column = np.abs(middle[:, 0] - np.pi) < 1e-5
+    assert on_row.any() and on_column.any() and (on_row | on_column).all()
+    assert np.ptp(middle[on_row, 0]) > 0.8 * 2 * np.pi
+
+
+def test_angles_come_round() -> None:
+    kind = Shades(kind="angle", low=-180.0, high=180.0)
+    ends = kind.colours()([0.0, 1.0])
+    np.testing.assert_allclose(ends[0], ends[1], atol=0.02)
 
 
 def test_missing_values_are_hatched(full: xr.Dataset) -> None:
@@ -175,7 +209,7 @@ def test_side_by_side_shares_colours(full: xr.Dataset, pitch: xr.Dataset, yaw: x
 
 
 def test_phase_differences(full: xr.Dataset, pitch: xr.Dataset, yaw: xr.Dataset) -> None:
-    own = pitch_yaw_phase_difference(full, lowest=-np.pi)
+    own = pitch_yaw_phase_difference(full)
     known = own.notnull()
     np.testing.assert_allclose(
         own.values[known], full.pitch_yaw_phase_difference.values[known], atol=1e-12
@@ -184,23 +218,28 @@ def test_phase_differences(full: xr.Dataset, pitch: xr.Dataset, yaw: xr.Dataset)
     assert known.where(swing, True).all()
     assert not known[:, 0].any()
     single = pitch_yaw_phase_difference(pitch, yaw)
-    assert float(single.min()) >= np.pi / 4
-    assert float(single.max()) < np.pi / 4 + 2 * np.pi
+    assert float(np.abs(single).max()) <= np.pi
     drawn(maps.side_by_side(pitch_yaw_phase_difference(full), single))
     at = single.sel(offset=np.pi / 4, phase_difference=np.pi / 2, method="nearest")
     run = rr.decoupled(ROBOT, rr.gait("circular"), 9.0, 0.03).steady_state()
-    assert float(at) == pytest.approx(run.pitch_yaw_phase_difference % (2 * np.pi), abs=2e-2)
+    apart = float(at) - run.pitch_yaw_phase_difference
+    assert np.exp(1j * apart) == pytest.approx(1.0, abs=2e-2)
 
 
-def test_contours_do_not_run_along_a_jump() -> None:
+def test_contours_of_angles_know_no_jump() -> None:
     y, x = np.mgrid[-1:1:21j, -1:1:21j]
-    angle = xr.DataArray(np.arctan2(y, x), dims=("a", "b"), attrs={"units": "rad"})
+    angle = xr.DataArray(
+        np.arctan2(y, x), dims=("a", "b"), attrs={"units": "rad"}, name="roll_phase"
+    )
     angle = angle.assign_coords(a=y[:, 0], b=x[0])
     ax = maps.value_map(angle)
-    points = np.concatenate([path.vertices for path in ax.collections[1].get_paths()])
-    # The cut is the negative b axis; each contour is a ray from the middle.
-    cut = (np.abs(points[:, 1]) < 0.04) & (points[:, 0] < -0.2)
-    assert not cut.any()
+    paths = [path for lines in ax.collections[1:] for path in lines.get_paths()]
+    points = np.concatenate([path.vertices for path in paths])
+    assert len(ax.collections) > 10
+    # Each contour is a ray from the middle, of 30 degrees each.
+    points = points[np.hypot(*points.T) > 0.3]
+    angle = np.rad2deg(np.arctan2(points[:, 1], points[:, 0]))
+    assert np.abs((angle + 15) % 30 - 15).max() < 0.5
 
 
 def test_translation(full: xr.Dataset) -> None:
@@ -241,8 +280,9 @@ def test_inverse_map(full: xr.Dataset) -> None:
     assert second.get_title() == "(b) curves of equal leg phase difference [rad]"
     lines = [line for line in first.get_lines() if line.get_linestyle() != "None"]
     assert len(lines) == 5
-    np.testing.assert_array_equal(lines[1].get_xdata(), 1000 * full.velocity_y[3])
-    np.testing.assert_array_equal(lines[1].get_ydata(), full.yaw_rate[3])
+    # Through every point of the sweep, with ten between each two.
+    np.testing.assert_allclose(lines[1].get_xdata()[:-1:10], 1000 * full.velocity_y[3], atol=1e-12)
+    np.testing.assert_allclose(lines[1].get_ydata()[:-1:10], full.yaw_rate[3], atol=1e-14)
     texts = {text.get_text(): text.xy for text in first.texts}
     assert set(texts) == {"0", "π/4", "π/2", "3π/4", "π"}
     assert tuple(texts["π/4"]) in {

@@ -1,9 +1,9 @@
 """Maps of sweeps: the kinds of Figs 11, 12, 14 and 18-22 of the paper, for any robot.
 
 Each function takes results of `rr.sweep` with two dimensions, such as offset and phase
-difference; take a slice of a larger sweep first, with `ds.sel(amplitude=0.3)`. Colours grow darker
-with the value and contours are labelled, so that a map reads the same in grey; where a value is
-missing it is hatched.
+difference; take a slice of a larger sweep first, with `ds.sel(amplitude=0.3)`. Amounts grow darker,
+signed values part from white at zero, and phases have colours that come round; contours are
+labelled. Where a value is missing it is hatched.
 """
 
 from __future__ import annotations
@@ -14,20 +14,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.drawing import BLACK, FONT, GREY, line, new_axes, new_figure, tidy
+from rrrobot.drawing import FONT, GREY, legend_above, line, new_axes, new_figure, tidy
 from rrrobot.errors import ParameterError
+from rrrobot.figures.shades import Shades
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLOURS, DARKEST = "YlGnBu", 0.72
-"""From light yellow to blue, no darker than black contours on it can bear."""
 SLOW = 2e-4
 """Speed below which a curvature is not drawn [m/s]."""
-_APART = 0.06
-"""Least distance of two contour labels, as a part of the axes."""
 _SHOWN = {"m/s": ("mm/s", 1000.0), "rad": ("deg", 180 / np.pi), "m": ("mm", 1000.0), "1": ("", 1.0)}
 """Unit of the data -> unit of a colour bar, and the factor."""
 _SYMBOLS = {"speed": "v", "yaw_rate": r"$\alpha$", "curvature": "K", "velocity_y": "v"}
@@ -62,20 +59,13 @@ def value_map(
         >>> value_map(ds.speed).get_xlabel()
         'leg phase difference [rad]'
     """
-    table, (low, high) = _scaled(values, limits)
+    table, limits = _scaled(values, limits)
     rows, columns = (np.asarray(table[dim]) for dim in table.dims)
     ax = new_axes() if ax is None else ax
     data = np.ma.masked_invalid(table.to_numpy())
-    shading: Any = "nearest" if data.mask.any() else "gouraud"
-    image = ax.pcolormesh(
-        columns, rows, data, cmap=_colours(), vmin=low, vmax=high, shading=shading, rasterized=True
-    )
     ax.patch.set(hatch="////", edgecolor=GREY, linewidth=0.0)
-    if values.attrs.get("units") == "rad":
-        _mask_jumps(data, 180.0)
-    if data.count():
-        _contours(ax, columns, rows, data, (low, high))
-    else:
+    image = Shades.of(values, table.to_numpy(), limits).draw(ax, columns, rows, data)
+    if not data.count():
         ax.text(0.5, 0.5, "no value", transform=ax.transAxes, ha="center", va="center",
                 backgroundcolor="white")  # fmt: skip
     ax.set_xlim(columns.min(), columns.max())
@@ -164,15 +154,29 @@ def inverse(ds: xr.Dataset, *, curves: int = 9) -> Figure:
 
 
 def modulation(values: xr.DataArray, ax: Axes | None = None) -> Axes:
-    """What `studies.amplitude_modulation` gives over the offset, with the gait's own amplitude."""
+    """What `studies.amplitude_modulation` gives over the offset, with the gait's own amplitude.
+
+    Where the full model does not turn, the amplitude has a limit between its neighbours: an open
+    circle. Toward the ends, where no amplitude does, the ground of the plot is grey.
+    """
     ax = new_axes() if ax is None else ax
-    known = values.dropna("offset")
-    ax.plot(known.offset, known, marker="o", markersize=3, label="yaw model", **line(0))
+    known = values.dropna("offset").sortby("offset")
+    offset, amplitude = known.offset.to_numpy(), known.to_numpy()
+    ax.plot(offset, amplitude, marker="o", markersize=3, label="yaw model", **line(0))
+    if known.size:
+        ends = (float(values.offset.min()), offset[0], offset[-1], float(values.offset.max()))
+        for low, high in (ends[:2], ends[2:]):
+            ax.axvspan(low, high, color="#EEEEEE", zorder=0)
+        between = [
+            float(at) for at in values.offset[values.isnull()] if offset[0] < at < offset[-1]
+        ]
+        ax.plot(between, np.interp(between, offset, amplitude), "o", markersize=5,
+                markerfacecolor="white", markeredgecolor=line(0)["color"], linestyle="none",
+                label="limit: the full model does not turn")  # fmt: skip
     own = float(values.amplitude)
-    ax.axhline(own, color=GREY, linestyle="--", linewidth=1.0)
-    ax.annotate("full model", (0.99, own), (-4, 3), ("axes fraction", "data"), "offset points",
-                ha="right", fontsize=FONT - 1)  # fmt: skip
+    ax.axhline(own, color=GREY, linestyle="--", linewidth=1.0, label="full model")
     tidy(ax, _label(values.offset), "leg amplitude [rad]")
+    legend_above(ax)
     _ticks_of_pi(ax.xaxis, values.offset)
     ax.set_xlim(float(values.offset.min()), float(values.offset.max()))
     ax.set_ylim(0.0, 1.1 * max(own, float(known.max()) if known.size else own))
@@ -191,68 +195,56 @@ def _two_dimensions(values: xr.DataArray) -> xr.DataArray:
 
 def _scaled(
     values: xr.DataArray, limits: tuple[float, float] | None
-) -> tuple[xr.DataArray, tuple[float, float]]:
+) -> tuple[xr.DataArray, tuple[float, float] | None]:
     """Values and limits in the unit that is shown."""
     table = _two_dimensions(values)
     factor = _SHOWN.get(values.attrs.get("units", ""), ("", 1.0))[1]
     table = (factor * table).where(np.isfinite(table))
-    if limits is None:
-        known = table.to_numpy()[np.isfinite(table)]
-        return table, (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
-    return table, (factor * limits[0], factor * limits[1])
-
-
-def _contours(ax: Axes, x: Array, y: Array, data: Any, limits: tuple[float, float]) -> None:
-    from matplotlib.patheffects import withStroke
-    from matplotlib.ticker import MaxNLocator
-
-    levels = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10]).tick_values(*limits)
-    if limits[1] - limits[0] < 1e-9 * max(abs(v) for v in (*limits, 1e-12)):
-        return
-    thick = [1.6 if level == 0 else 0.8 for level in levels]
-    lines = ax.contour(x, y, data, levels, colors=BLACK, linewidths=thick, negative_linestyles="--")
-    labels = ax.clabel(lines, inline=False, fontsize=FONT - 2, fmt=lambda v: f"{v + 0.0:g}")
-    kept: list[Any] = []
-    for label in labels:
-        label.set_path_effects([withStroke(linewidth=2.6, foreground="white")])
-        at = (ax.transData - ax.transAxes).transform(label.get_position())
-        if all(math.dist(at, other) > _APART for other in kept) and 0.02 < at[0] < 0.98:
-            kept.append(at)
-        else:
-            label.remove()
-
-
-def _mask_jumps(data: Any, jump: float) -> None:
-    """Mask, in place, the values on both sides of a step that is larger than `jump`."""
-    for axis in (0, 1):
-        wide = np.moveaxis(np.abs(np.diff(data, axis=axis)).filled(0.0) > jump, axis, 0)
-        table = np.moveaxis(data, axis, 0)
-        table[:-1][wide] = np.ma.masked
-        table[1:][wide] = np.ma.masked
-
-
-def _colours() -> Any:
-    from matplotlib import colormaps
-    from matplotlib.colors import ListedColormap
-
-    return ListedColormap(colormaps[COLOURS](np.linspace(0.0, DARKEST, 256)))
+    return table, None if limits is None else (factor * limits[0], factor * limits[1])
 
 
 def _curves(ax: Axes, v: Array, alpha: Array, values: xr.DataArray, curves: int) -> None:
-    """Some rows of (v, alpha) as lines, each with its value where it is farthest out."""
+    """Some rows of (v, alpha) as smooth lines, each with its value where it is farthest out."""
+    from matplotlib.patheffects import withStroke
+
     numbers = np.unique(np.linspace(0, len(v) - 1, min(curves, len(v))).round().astype(int))
     scale = [np.nanmax(np.abs(part), initial=0.0) or 1.0 for part in (v, alpha)]
+    taken: list[Array] = []
     for k, i in enumerate(numbers.tolist()):
         style = line(k)
-        ax.plot(v[i], alpha[i], zorder=2, **style)
-        out = np.hypot(v[i] / scale[0], alpha[i] / scale[1])
+        curve = np.column_stack((v[i], alpha[i]))
+        ax.plot(*_smooth(curve).T, zorder=2, **style)
+        unit = curve / scale
+        out = np.hypot(*unit.T)
         if not np.nanmax(out, initial=0.0) > 0.05:
             # The robot hardly moves, and all such curves lie on one spot.
             continue
-        at = int(np.nanargmax(out))
-        text = _multiple_of_pi(float(values[i]))
-        ax.annotate(text, (v[i, at], alpha[i, at]), (2, 2), textcoords="offset points",
-                    fontsize=FONT - 2, zorder=3)  # fmt: skip
+        # The farthest point at which no other label stands.
+        far = sorted(np.flatnonzero(out > 0.6 * np.nanmax(out)), key=lambda j: -out[j])
+        free = [j for j in far if all(np.hypot(*(unit[j] - at)) > 0.15 for at in taken)]
+        at = free[0] if free else far[0]
+        taken.append(unit[at])
+        side = -1 if unit[at, 0] < -0.02 else 1
+        ax.annotate(_multiple_of_pi(float(values[i])), tuple(curve[at]), (3 * side, 3),
+                    textcoords="offset points", fontsize=FONT - 2, zorder=3,
+                    ha="right" if side < 0 else "left",
+                    path_effects=[withStroke(linewidth=2.0, foreground="white")])  # fmt: skip
+
+
+def _smooth(curve: Array) -> Array:
+    """The points (n, 2) of a curve with ten between each two, by Akima's spline over their
+    number; unknown points stay gaps."""
+    from scipy.interpolate import Akima1DInterpolator
+
+    known = np.flatnonzero(np.all(np.isfinite(curve), axis=1))
+    parts = []
+    for part in np.split(known, np.flatnonzero(np.diff(known) > 1) + 1):
+        if part.size > 2:
+            at = np.linspace(part[0], part[-1], 10 * (part.size - 1) + 1)
+            parts += [Akima1DInterpolator(part, curve[part])(at), np.full((1, 2), np.nan)]
+        else:
+            parts += [curve[part], np.full((1, 2), np.nan)]
+    return np.concatenate(parts) if parts else curve
 
 
 def _bar(image: Any, panels: list[Axes], values: xr.DataArray) -> None:

@@ -114,4 +114,5 @@ def _from_above(ax: Axes) -> None:
     ax.text(0.1 * reach, 1.6 * reach, "v", fontsize=FONT + 2)
     turn_arrow(ax, (0.0, -1.75 * reach), 0.4 * reach, r"$\alpha$")
     ax.set_ylim(-2.0 * reach, 2.0 * reach)
+    ax.locator_params(axis="x", nbins=3)
     ax.set_title("wheel in the plane of the leg axis", fontsize=FONT, pad=20)

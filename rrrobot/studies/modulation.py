@@ -21,21 +21,19 @@ SMALL = 1e-3
 """Amplitude below which a phase is not known [rad]."""
 
 
-def pitch_yaw_phase_difference(
-    pitch: xr.Dataset, yaw: xr.Dataset | None = None, *, lowest: float = np.pi / 4
-) -> xr.DataArray:
-    """Pitch phase less yaw phase, where both amplitudes are at least 0.06 deg.
+def pitch_yaw_phase_difference(pitch: xr.Dataset, yaw: xr.Dataset | None = None) -> xr.DataArray:
+    """Pitch phase less yaw phase in [-pi, pi), where both amplitudes are at least 0.06 deg.
 
     Args:
         pitch: sweep whose pitch is taken: of the full or of the pitch model.
         yaw: sweep whose yaw is taken; the same if None, for the single-axis models the yaw
             model's.
-        lowest: the values are from here to a turn farther [rad].
     """
     yaw = pitch if yaw is None else yaw
-    found = (pitch.pitch_phase - yaw.yaw_phase - lowest) % (2 * np.pi) + lowest
+    found = (pitch.pitch_phase - yaw.yaw_phase + np.pi) % (2 * np.pi) - np.pi
     found = found.where((pitch.pitch_amplitude >= SMALL) & (yaw.yaw_amplitude >= SMALL))
-    return found.assign_attrs(units="rad", long_name="pitch phase less yaw phase")
+    attrs = {"units": "rad", "long_name": "pitch phase less yaw phase"}
+    return found.assign_attrs(attrs)
 
 
 def amplitude_modulation(
