@@ -14,7 +14,21 @@ import rrrobot as rr
 from rrrobot.cli.main import cli
 from rrrobot.paper import figures as paper
 from rrrobot.paper import run
-from rrrobot.paper.item import AGREES, DIFFERS, ERRATUM, OPEN, Item, Result, feature, number
+from rrrobot.paper.item import (
+    AGREES,
+    DIFFERS,
+    ERRATUM,
+    INPUT,
+    OPEN,
+    Item,
+    Result,
+    about,
+    above,
+    below,
+    feature,
+    number,
+    taken,
+)
 from rrrobot.paper.run import ITEMS, Reproduction, reproduce
 from rrrobot.paper.schematic import mass_points, schematic
 from rrrobot.paper.unicycle import unicycle_path
@@ -77,7 +91,12 @@ def test_the_reports_hold_every_number(made: Reproduction) -> None:
         ("fig16", "net yaw in a cycle, single-axis over full", 0.01355 / 0.0208546, 5e-4),
         ("table3", "rolling, roll", 1.29251, 1e-5),
         ("table3", "pivoting, pitch", 0.94509, 1e-5),
-        ("fig13", "trajectory A: net yaw in a cycle, by area", np.rad2deg(-0.0129962291), 1e-8),
+        (
+            "fig13",
+            "trajectory A: size of the net yaw in a cycle, by area",
+            np.rad2deg(0.0129962291),
+            1e-8,
+        ),
         ("fig18", "peak speed", 9.656, 1e-3),
     ],
 )
@@ -160,7 +179,26 @@ def test_verdicts_follow_the_numbers() -> None:
     assert number("x", 1.0, 1.006, within=0.005).verdict == DIFFERS
     assert number("x", 1.0, float("nan"), within=1).verdict == DIFFERS
     assert number("x", 2.0, 1.0, within=0.1).ratio == 0.5
-    assert feature("x", "so", 1.0, holds=False).verdict == DIFFERS
+    cases = ((below(2), AGREES, "< 2"), (above(2), DIFFERS, "> 2"),
+             (about(1, 0.25), AGREES, "1 ± 0.25"))  # fmt: skip
+    for limit, verdict, text in cases:
+        row = feature("x", "so", 1.0, limit=limit)
+        assert (row.verdict, row.limit) == (verdict, text)
+    assert feature("x", "so", float("nan"), limit=below(2)).verdict == DIFFERS
+    # What is taken from the paper is no agreement, and may not have drifted from it.
+    assert taken("x", 2.0, 2.0).verdict == INPUT
+    with pytest.raises(rr.RRRobotError, match=r"x is 2\.1"):
+        taken("x", 2.0, 2.1)
+
+
+def test_every_verdict_has_its_limit(made: Reproduction) -> None:
+    judged = [row for s in made.sections for row in s.rows if row["verdict"] in (AGREES, DIFFERS)]
+    assert len(judged) > 50
+    assert all(row["limit"] for row in judged)
+    assert {row["verdict"] for s in made.sections if s.key == "table2" for row in s.rows} == {
+        INPUT,
+        OPEN,
+    }
 
 
 def test_an_infinite_number_is_refused(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ import click
 
 from rrrobot.cli.compile import tell_of_compiling
 from rrrobot.cli.report import to_json
-from rrrobot.paper.item import AGREES, DIFFERS, ERRATUM, OPEN
+from rrrobot.paper.item import VERDICTS
 from rrrobot.paper.report import Section, short
 from rrrobot.paper.run import ITEMS, reproduce
 
@@ -64,8 +64,7 @@ def reproduce_command(
     if found.kept:
         click.echo(f"kept from an earlier run: {len(found.kept)} of {len(found.sections)}")
     counts = Counter(row["verdict"] for section in found.sections for row in section.rows)
-    names = (AGREES, DIFFERS, ERRATUM, OPEN)
-    click.echo(", ".join(f"{counts[name]} {name}" for name in names))
+    click.echo(", ".join(f"{counts[name]} {name}" for name in VERDICTS))
     click.echo(f"wrote {found.report}")
 
 
@@ -92,7 +91,7 @@ def _bar(*, quiet: bool) -> Iterator[Callable[[str, int, int], None]]:
 
 def _line(section: Section, *, in_full: bool) -> str:
     counts = Counter(row["verdict"] for row in section.rows)
-    verdicts = ", ".join(f"{counts[n]} {n}" for n in (AGREES, DIFFERS, ERRATUM, OPEN) if counts[n])
+    verdicts = ", ".join(f"{counts[n]} {n}" for n in VERDICTS if counts[n])
     lines = [f"{section.title}: {verdicts}"]
     if in_full:
         for row in section.rows:

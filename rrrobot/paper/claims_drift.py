@@ -10,7 +10,7 @@ import pinocchio as pin
 from rrrobot.drive.gaits import Gait, gait
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
-from rrrobot.paper.item import Item, Result, feature, record
+from rrrobot.paper.item import Item, Result, about, above, below, feature, record
 from rrrobot.paper.settled import last_cycle, settled
 from rrrobot.paper.workshop import Workshop
 from rrrobot.paper.yaw_balance import Attitude, attitude, yaw_balance
@@ -35,12 +35,13 @@ def _drift_larger(shop: Workshop) -> Result:
     folded = [min(b, 180 - b) for b in best]
     rows = (
         feature("circular gait, full model's drift over the yaw model's", "larger", at[0] / at[1],
-                holds=at[0] > at[1]),
+                limit=above(1.0)),
         feature("gaits of the plane with a larger drift in the full model, share", "larger",
-                larger, holds=larger > 0.9),
+                larger, limit=above(0.9)),
         record("gaits of the plane where the two drift against each other, share", against),
-        feature("offset of most drift, full model", "another than the yaw model's", folded[0],
-                "deg", holds=abs(folded[0] - folded[1]) > 5),
+        feature("offset of most drift, full model, from the yaw model's",
+                "another than the yaw model's", abs(folded[0] - folded[1]), "deg", limit=above(5)),
+        record("offset of most drift, full model", folded[0], "deg"),
         record("offset of most drift, yaw model", folded[1], "deg"),
     )  # fmt: skip
     return Result(rows=rows)
@@ -68,18 +69,16 @@ def _drift_cause(shop: Workshop) -> Result:
     products = [k * m.steady_state().yaw_rate / (DAMPING * drift)
                 for k, m in ((2 * DAMPING, twice), (DAMPING / 2, half))]  # fmt: skip
     rows = (
-        feature("yaw inertia as the body pitches over a level body's, most in the cycle",
-                "depends on the pitch", float((inertia / even).max()),
-                holds=bool(np.ptp(inertia / even) > 0.05)),
-        feature("that of the pitching body on the ground over that on a pivot, most",
-                "by the rolling contact", float((inertia / pivot).max()),
-                holds=bool(np.ptp(inertia / pivot) > 0.05),
+        feature("yaw inertia as the body pitches over a level body's, range in the cycle",
+                "depends on the pitch", float(np.ptp(inertia / even)), limit=above(0.05)),
+        feature("that of the pitching body on the ground over that on a pivot, range",
+                "by the rolling contact", float(np.ptp(inertia / pivot)), limit=above(0.05),
                 note="The contact lies below the centre: rolling does not change it."),
         record("level body on a pivot: the yaw model's drift", level, "rad/s"),
         record("with the mean pitch held", tilted, "rad/s",
                "The tilt raises the yaw inertia and lowers the drift."),
         feature("with the pitch as it swings: what the paper's reason gives", "larger", pitched,
-                "rad/s", holds=pitched > level,
+                "rad/s", limit=above(level),
                 note="The inertia's dependence on pitch alone turns the drift round."),
         record("with the roll too", all_of_it, "rad/s"),
         record("the same with the full model's yaw damping", float(held), "rad/s",
@@ -126,14 +125,14 @@ def _pivoting_turns(shop: Workshop) -> Result:
     spun = settled(light, circular, cycles=76).steady_state().yaw_rate
     rows = (
         feature("circular gait, pivoting over full model's yaw rate", "significantly faster, 10",
-                turning / full, holds=turning > 5 * full),
+                turning / full, limit=above(5)),
         feature("pivoting model with the full model's yaw damping, yaw rate",
-                "nullified", abs(still), "rad/s", holds=abs(still) < 1e-3 * turning),
+                "nullified", abs(still), "rad/s", limit=below(0.001 * turning)),
         feature("pivoting model's roll and pitch, zero momentum: drift over its yaw rate",
                 "coupling of rotations", coupled / turning,
-                holds=abs(coupled / turning - 1) < 1e-4),
+                limit=about(1, 0.0001)),
         feature("its pitch alone, zero momentum: drift over the level body's",
-                "coupling of pitch and yaw", pitched / level, holds=pitched > 5 * level,
+                "coupling of pitch and yaw", pitched / level, limit=above(5),
                 note="Only roll and pitch together turn the body fast."),
         record("both models with that yaw damping, pivoting over full", abs(still) / full),
         record("full model with a tenth of the yaw damping, over the pivoting model",

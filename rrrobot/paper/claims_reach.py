@@ -10,7 +10,7 @@ from rrrobot.drive.gaits import gait
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import YawModel
-from rrrobot.paper.item import Item, Result, feature, record
+from rrrobot.paper.item import Item, Result, about, above, below, feature, record
 from rrrobot.paper.settled import both_legs, settled
 from rrrobot.paper.workshop import Workshop
 from rrrobot.studies.sweeps.run import sweep
@@ -33,15 +33,15 @@ def _leg_axis(shop: Workshop) -> Result:
     rows = (
         feature(
             "lateral and circular gait, travel off the leg axis", "along it", max(of_gaits), "deg",
-            holds=max(of_gaits) < 2,
+            limit=below(2),
         ),
         feature(
             "gaits above 6/10 of the top speed, farthest off the leg axis", "along it",
-            float(off.where(fast).max()), "deg", holds=float(off.where(fast).max()) < 15,
+            float(off.where(fast).max()), "deg", limit=below(15),
         ),
         feature(
             "gaits above 2 mm/s, share within 15 deg of the leg axis", "predominant", share,
-            holds=share > 0.5,
+            limit=above(0.5),
         ),
         record(
             "opposite level legs, velocity across the leg axis", 1e3 * float(level.velocity_x),
@@ -78,19 +78,19 @@ def _start_independence(shop: Workshop) -> Result:
     rows = (
         feature(
             "full model, four other starts: change of v, at worst", "limit cycle", speed,
-            holds=speed < 1e-6,
+            limit=below(1e-06),
         ),
         feature(
             "full model, four other starts: change of the yaw rate", "limit cycle", rate,
-            holds=rate < 1e-6,
+            limit=below(1e-06),
         ),
         feature(
             "full model, legs begin elsewhere in the cycle: change of the yaw rate", "limit cycle",
-            phases, holds=phases < 1e-6,
+            phases, limit=below(1e-06),
         ),
         feature(
             "full model, legs begin elsewhere in the cycle: change of v", "limit cycle",
-            phases_speed, holds=phases_speed < 3e-4,
+            phases_speed, limit=below(0.0003),
             note="What is left is where a cycle begins to count: its mean lies on a wavy path.",
         ),
         record("yaw model, lateral gait, from a body at rest: yaw rate", kept, "rad/s"),
@@ -122,13 +122,13 @@ def _accessibility(shop: Workshop) -> Result:
     rows = (
         feature(
             "gaits of the plane that travel and turn, fewest of the four pairs of signs",
-            "straight and curved, either way", min(signs), holds=min(signs) > 0,
+            "straight and curved, either way", min(signs), limit=above(0),
             note="A unicycle that goes and turns either way reaches any place and heading.",
         ),
         record("highest speed of the plane", 1e3 * float(full.speed.max()), "mm/s"),
         feature(
             "level legs nearly in phase, change of K as v goes to zero", "bounded curvature",
-            growth, holds=growth < 0.1,
+            growth, limit=below(0.1),
         ),
         record("smallest radius of a gait that travels above 2 mm/s", 1e3 / tightest, "mm"),
         record("smallest radius of all, where v goes to zero",
@@ -147,7 +147,7 @@ def _second_order(shop: Workshop) -> Result:
     rows = tuple(
         feature(
             f"circular gait, {name.replace('_', ' ')}: power of the legs' amplitude", words,
-            power[name], holds=abs(power[name] - want) < 0.05,
+            power[name], limit=about(want, 0.05),
         )
         for name, words, want in (
             ("roll_amplitude", "linear", 1),

@@ -10,7 +10,7 @@ from rrrobot.checks import Array
 from rrrobot.contact.kinematics import contact_path
 from rrrobot.drive.gaits import gait
 from rrrobot.models.full import FullModel
-from rrrobot.paper.item import Item, Result, feature, record
+from rrrobot.paper.item import Item, Result, about, above, below, feature, record
 from rrrobot.paper.settled import (
     cycle_points,
     degrees,
@@ -67,25 +67,25 @@ def _straight_line(shop: Workshop) -> Result:
     rows = (
         feature(
             "lateral gait, yaw rate", "none", abs(state.yaw_rate), "rad/s",
-            holds=abs(state.yaw_rate) < 1e-6,
+            limit=below(1e-06),
         ),
         feature(
             "lateral gait, cycle means off a line, over the way", "straight",
-            off_line(points) / length, holds=off_line(points) < 1e-3 * length,
+            off_line(points) / length, limit=below(0.001),
         ),
         feature(
             "lateral gait, pitch ahead of yaw", "out of phase", abs(degrees(lead)), "deg",
-            holds=abs(math.sin(lead)) > 0.9,
+            limit=about(90.0, 25.0),
         ),
         feature(
             "rolling alone, pitch and yaw in phase over a quarter cycle apart", "no travel",
             float(np.linalg.norm(ends[0])) / quarter,
-            holds=bool(np.linalg.norm(ends[0]) < 1e-6 * quarter),
+            limit=below(1e-06),
         ),
         feature(
             "rolling alone, lead of most travel", "out of phase",
             float(np.degrees(leads[np.abs(ends[:6, 1]).argmax()])), "deg",
-            holds=int(np.abs(ends[:6, 1]).argmax()) == 3,
+            limit=about(90.0, 1.0),
         ),
         record(
             "rolling alone, off 2 pi r pitch J1(yaw) sin(lead) at worst, over the largest",
@@ -93,7 +93,7 @@ def _straight_line(shop: Workshop) -> Result:
         ),
         feature(
             "lateral gait, that formula over the full model's speed", "from pitch and yaw alone",
-            formula / state.speed, holds=abs(formula / state.speed - 1) < 0.02,
+            formula / state.speed, limit=about(1, 0.02),
         ),
     )  # fmt: skip
     return Result(rows=rows)
@@ -111,20 +111,20 @@ def _curved_path(shop: Workshop) -> Result:
     rows = (
         feature(
             "circular gait, yaw rate", "drifts", state.yaw_rate, "rad/s",
-            holds=state.yaw_rate > 1e-3, note="Counter-clockwise, as Figs 2 and 7.",
+            limit=above(0.001), note="Counter-clockwise, as Figs 2 and 7.",
         ),
         feature(
             "circular gait, radius of the cycle means over v / yaw rate", "curved path", ratio,
-            holds=abs(ratio - 1) < 2e-3,
+            limit=about(1, 0.002),
         ),
         feature(
             "circular gait, cycle means off that circle over its radius", "curved path",
-            circle.misfit / circle.radius, holds=circle.misfit < 1e-3 * circle.radius,
+            circle.misfit / circle.radius, limit=below(0.001),
         ),
         feature(
             "rolling alone with a drift added, radius over v / yaw rate", "curved path",
             alone.radius * state.yaw_rate / chord,
-            holds=abs(alone.radius * state.yaw_rate / chord - 1) < 2e-3,
+            limit=about(1, 0.002),
         ),
         record("circular gait, radius", circle.radius, "m"),
     )  # fmt: skip
@@ -156,28 +156,28 @@ def _phase_difference(shop: Workshop) -> Result:
     rows = (
         feature(
             "rolling alone, spread of v / sin(lead) over v", "influences the velocity", by_sine,
-            holds=by_sine < 0.02,
+            limit=below(0.02),
         ),
         feature(
             "full model, pitch damping 0.003 to 0.03: spread of v / (pitch sin(lead)) over it",
             "influences the velocity", float(np.ptp(by_pitch) / by_pitch[1]),
-            holds=bool(np.ptp(by_pitch) < 0.15 * by_pitch[1]),
+            limit=below(0.15),
             note="The damping turns the lead from {:.0f} to {:.0f} deg.".format(
                 *(degrees(damped[i].pitch_yaw_phase_difference) for i in (0, 2))
             ),
         ),
         feature(
             "full model, the same: spread of the yaw rate over it", "not the turning",
-            float(np.ptp(turns) / turns[1]), holds=bool(np.ptp(turns) < 0.15 * turns[1]),
+            float(np.ptp(turns) / turns[1]), limit=below(0.15),
         ),
         feature(
             "rolling alone, K at a lead of 60 deg over K at 90 deg", "1: not the curvature",
-            bends[1] / bends[2], holds=abs(bends[1] / bends[2] - 1) < 0.05,
+            bends[1] / bends[2], limit=about(1, 0.05),
             note="K = yaw rate / v, and v changes.",
         ),
         feature(
             "rolling alone, K at a lead of 30 deg over K at 90 deg", "1: not the curvature",
-            bends[0] / bends[2], holds=abs(bends[0] / bends[2] - 1) < 0.05,
+            bends[0] / bends[2], limit=about(1, 0.05),
             note="It goes as 1 / sin(lead).",
         ),
         record(
@@ -186,7 +186,7 @@ def _phase_difference(shop: Workshop) -> Result:
         ),
         feature(
             "single-axis models' lead off the full model's, median of the plane", "differs", median,
-            "deg", holds=median > 5.0,
+            "deg", limit=above(5.0),
         ),
     )  # fmt: skip
     remarks = (

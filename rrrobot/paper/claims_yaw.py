@@ -13,7 +13,7 @@ from rrrobot.drive.moves import LegMoves, Loops, one_leg_gait, out_of_phase_gait
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
-from rrrobot.paper.item import Item, Result, Row, feature, record
+from rrrobot.paper.item import Item, Result, Row, above, below, feature, record
 from rrrobot.paper.settled import both_legs, settled
 from rrrobot.paper.workshop import FREQUENCY, HUMP, Workshop, hump, relative_rms
 from rrrobot.paper.yaw_balance import attitude, yaw_balance
@@ -37,13 +37,13 @@ def _momentum_conserved(shop: Workshop) -> Result:
         feature(
             "change of the momentum over 20 cycles, over itself", "conserved",
             float(np.ptp(momenta) / abs(momenta[0])),
-            holds=bool(np.ptp(momenta) < 1e-8 * abs(momenta[0])),
+            limit=below(1e-08),
             note="From a body at rest over legs that swing, so that there is momentum.",
         ),
         feature(
             "yaw rate when the legs stop after a move from rest", "stationary",
             abs(float(moved.euler_rates[-1, 2])), "rad/s",
-            holds=abs(float(moved.euler_rates[-1, 2])) < 1e-6,
+            limit=below(1e-06),
         ),
         record("largest yaw rate on the way", np.abs(moved.euler_rates[:, 2]).max(), "rad/s"),
     )  # fmt: skip
@@ -72,16 +72,16 @@ def _cycles_of_legs(shop: Workshop) -> Result:
     one = net_yaw(robot, one_leg_gait((1.2, 1.5), leg=0, target=2.0))
     rows = (
         feature("cycles about the vertical, six sinusoids, most net yaw", "zero", max(about), "rad",
-                holds=max(about) < 1e-12),
-        feature("cycle about 5 pi/8 + 0.15, net yaw", "not zero", turned, "rad",
-                holds=abs(turned) > 1e-3),
+                limit=below(1e-12)),
+        feature("cycle about 5 pi/8 + 0.15, size of the net yaw", "not zero", abs(turned), "rad",
+                limit=above(1e-3)),
         feature("legs in phase or opposite about 1 rad, most net yaw", "needs the right phase",
-                in_phase, "rad", holds=in_phase < 1e-12),
-        feature("one leg moves from 1.2 to 2 rad, net yaw", "not zero", one, "rad",
-                holds=abs(one) > 1e-3),
+                in_phase, "rad", limit=below(1e-12)),
+        feature("one leg moves from 1.2 to 2 rad, size of the net yaw", "not zero", abs(one), "rad",
+                limit=above(1e-3)),
         feature("the same cycle from rest to rest in 3 s, by the dynamics, off the above",
                 "independent of time", abs(eased - turned), "rad",
-                holds=abs(eased - turned) < 1e-8),
+                limit=below(1e-08)),
         record("cycle about (90 + 23, 90 - 23) deg, net yaw", mirrored, "rad",
                "Offsets of opposite sign cancel: it is the common offset that turns."),
         record("lopsided cycle about the vertical (second harmonics), net yaw",
@@ -100,7 +100,7 @@ def _reductions(shop: Workshop) -> Result:
             feature(
                 f"{model.name} model, body's acceleration outside the law", words,
                 max(found.gravity, found.damping, found.inertia), "rad/s^2",
-                holds=found.reducible == (model.name == "yaw"),
+                limit=below(1e-9) if model.name == "yaw" else above(1e-3),
             )
         )  # fmt: skip
     afloat = reducibility(PivotingModel(shop.robot, ground=Plane(gravity=0.0), damping=None))
@@ -115,9 +115,9 @@ def _reductions(shop: Workshop) -> Result:
     miss = np.abs((end.euler[-1, 2], *end.leg_angle[-1]) - np.array(goal)).max()
     rows += [
         feature("yaw model, postures of 36 with all directions in reach", "controllable",
-                ranks.count(3), holds=ranks.count(3) == len(ranks)),
+                ranks.count(3), limit=above(len(ranks) - 1)),
         feature("yaw model, off its goal after both gaits by a plan", "reaches any configuration",
-                float(miss), "rad", holds=bool(miss < 1e-5)),
+                float(miss), "rad", limit=below(1e-05)),
     ]  # fmt: skip
     return Result(rows=tuple(rows))
 
@@ -138,18 +138,18 @@ def _yaw_amplitude(shop: Workshop) -> Result:
     whole = float(motion.steady_state().amplitude[2]) / _first_harmonic(level.free_rate())
     rows = (
         feature("yaw model, amplitude at offset 90 over 45 deg, legs opposite", "a hump", peak,
-                holds=peak > HUMP),
-        feature("full model, the same", "no spike", flat, holds=flat < HUMP),
+                limit=above(HUMP)),
+        feature("full model, the same", "no spike", flat, limit=below(HUMP)),
         feature("yaw model less full model, rms over the plane over the full model's",
-                "compares favourably", off, holds=off < 0.1,
+                "compares favourably", off, limit=below(0.1),
                 note="The yaw model's amplitude vanishes at offset 0, the full model's does not."),
         feature("yaw inertia at the circular gait's mean pitch over that of a level body",
-                "larger", heavier, holds=heavier > 1.0),
+                "larger", heavier, limit=above(1.0)),
         feature("yaw model tilted by the mean pitch, amplitude over a level one's", "smaller",
-                slower, holds=slower < 1.0),
+                slower, limit=below(1.0)),
         record("yaw model given the full model's pitch and roll, the same", rolled),
         feature("circular gait, full model's yaw amplitude over the yaw model's", "smaller", whole,
-                holds=whole < 1.0,
+                limit=below(1.0),
                 note="The body's roll makes up for what the tilt takes away, and more."),
     )  # fmt: skip
     return Result(rows=rows)

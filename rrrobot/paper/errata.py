@@ -19,7 +19,18 @@ from rrrobot.paper.closed_forms import (
     simple_pendulum_period,
     yaw_mass_matrix,
 )
-from rrrobot.paper.item import DIFFERS, ERRATUM, Item, Result, Row, feature, record
+from rrrobot.paper.item import (
+    DIFFERS,
+    ERRATUM,
+    Item,
+    Limit,
+    Result,
+    Row,
+    about,
+    below,
+    feature,
+    record,
+)
 from rrrobot.paper.workshop import Workshop
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.robot import Robot
@@ -28,11 +39,24 @@ from rrrobot.simulation.trajectory import Trajectory
 
 
 def _erratum(
-    quantity: str, paper: float | str, ours: float, unit: str = "", note: str = "", *, holds: bool
+    quantity: str,
+    paper: float | str,
+    ours: float,
+    unit: str = "",
+    note: str = "",
+    *,
+    limit: Limit,
+    right: bool,
 ) -> Row:
-    """What the printed form gives: an erratum if it is wrong and the right form is right."""
-    verdict = ERRATUM if holds else DIFFERS
-    return Row(quantity=quantity, paper=paper, ours=ours, unit=unit, verdict=verdict, note=note)
+    """What the printed form gives: an erratum if it breaks the limit and the right form does not.
+
+    Args:
+        limit: what a right form would keep.
+        right: whether the corrected form does, which has a row of its own.
+    """
+    verdict = ERRATUM if right and not limit.holds(ours) else DIFFERS
+    return Row(quantity=quantity, paper=paper, ours=ours, unit=unit, verdict=verdict,
+               limit=str(limit), note=note)  # fmt: skip
 
 
 def _eq_5(shop: Workshop) -> Result:
@@ -41,9 +65,9 @@ def _eq_5(shop: Workshop) -> Result:
     row = _erratum(
         "velocity along y that eq (5) leaves, as printed", "0 (no slip)", printed, "m/s",
         "Largest over the circular gait. The third entry must be r cos(pitch) cos(yaw).",
-        holds=left < 1e-6 < printed,
+        limit=below(1e-6), right=left < 1e-6,
     )  # fmt: skip
-    mended = feature("the same, corrected", "0 (no slip)", left, "m/s", holds=left < 1e-6)
+    mended = feature("the same, corrected", "0 (no slip)", left, "m/s", limit=below(1e-06))
     return Result(rows=(row, mended))
 
 
@@ -76,10 +100,10 @@ def _eq_12(shop: Workshop) -> Result:
             _erratum(
                 "g12 and g13 with r as printed, on a robot with b = 0.75 r: relative error",
                 "r", off, note="They must have the hip offset b. With b = r of Table 2 all agree.",
-                holds=right < 1e-13 and off > 1e-6,
+                limit=below(1e-6), right=right < 1e-13,
             ),
             feature("with b: difference from Pinocchio", "eq (12)", right, "kg m^2",
-                    holds=right < 1e-13),
+                    limit=below(1e-13)),
         ),
         remarks=("M_m in g11 is the servo mass M_s of Table 2.",),
     )  # fmt: skip
@@ -103,10 +127,10 @@ def _eqs_7_8(shop: Workshop) -> Result:
                       if m.axis == "pitch")  # fmt: skip
         rows += [
             _erratum(f"{eq} with RRRobot's radius of gyration in pitch", printed, by, "s",
-                     holds=abs(right - linear) < 1e-8 and abs(by - printed) > 0.1),
+                     limit=about(printed, 0.1), right=abs(right - linear) < 1e-8),
             feature(
                 f"{where}: 2 pi sqrt(I / (m g d)) less the linearised model's period", "-",
-                right - linear, "s", holds=abs(right - linear) < 1e-8,
+                right - linear, "s", limit=about(0.0, 1e-08),
             ),
         ]  # fmt: skip
     return Result(
@@ -159,10 +183,10 @@ def _eqs_9_10(shop: Workshop) -> Result:
             _erratum(
                 "0.01 rate^2 times rate, over the energy that a rocking robot loses", "1", squared,
                 note="The matrices hold the velocities and multiply them again.",
-                holds=abs(linear - 1) < 1e-6 and abs(squared - 1) > 0.1,
+                limit=about(1.0, 0.1), right=abs(linear - 1) < 1e-6,
             ),
             feature("0.01 rate times rate, over that energy", "1", linear,
-                    holds=abs(linear - 1) < 1e-6),
+                    limit=about(1, 1e-06)),
         ),
         remarks=("The generalised force on each Euler rate is -0.01 N m s/rad times the rate.",),
     )  # fmt: skip
@@ -188,7 +212,7 @@ def _legs_up(shop: Workshop) -> Result:
         ]
     rows.append(feature(
         "largest difference from Table 3, legs up over legs down", "up", off["up"] / off["down"],
-        holds=off["up"] < 0.2 * off["down"],
+        limit=below(0.2),
     ))  # fmt: skip
     return Result(rows=tuple(rows))
 
@@ -202,7 +226,7 @@ def _impulsive(shop: Workshop) -> Result:
     rows = (
         feature(
             "impulsive: the pivoting model turns in 30 s of the lateral gait", "a straight path",
-            turned[0], "rad", holds=turned[0] < 0.2,
+            turned[0], "rad", limit=below(0.2),
         ),
         record(
             "from rest: the same", turned[1], "rad",
@@ -249,9 +273,9 @@ def _leg_damping(shop: Workshop) -> Result:
     torque = float(np.abs(with_it.leg_torque - without.leg_torque - 0.01 * rates).max())
     return Result(
         rows=(
-            feature("change of the body's angles", "-", motion, "rad", holds=motion < 1e-12),
+            feature("change of the body's angles", "-", motion, "rad", limit=below(1e-12)),
             feature("change of the torques less 0.01 x leg rate", "-", torque, "N m",
-                    holds=torque < 1e-12),
+                    limit=below(1e-12)),
         ),
         remarks=(
             "Eq (9) damps the legs too. Legs that are prescribed move as they would, and only "

@@ -6,7 +6,7 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.paper import figures as paper
-from rrrobot.paper.item import Item, Result, Row, feature, record
+from rrrobot.paper.item import Item, Result, Row, about, above, below, feature, record
 from rrrobot.paper.unicycle import unicycle_path
 from rrrobot.paper.workshop import Workshop
 
@@ -16,12 +16,12 @@ def _fig_2(shop: Workshop) -> Result:
     state = found.states["full"]
     rows = (
         feature(
-            "yaw rate", "counter-clockwise", state.yaw_rate, "rad/s", holds=state.yaw_rate > 1e-3
+            "yaw rate", "counter-clockwise", state.yaw_rate, "rad/s", limit=above(0.001)
         ),
         record("radius of the path of the cycle means", 100 / abs(state.curvature), "cm"),
         feature(
             "pitch amplitude over roll amplitude", "the broad patch is the pitch oscillation",
-            state.amplitude[1] / state.amplitude[0], holds=state.amplitude[1] > state.amplitude[0],
+            state.amplitude[1] / state.amplitude[0], limit=above(1.0),
         ),
     )  # fmt: skip
     return Result(rows=rows, figures={"fig2": paper.fig_2(found.trajectories["full"])})
@@ -35,12 +35,12 @@ def _fig_6(shop: Workshop) -> Result:
         record("pivoting model, speed", 1000 * pivoting.speed, "mm/s"),
         feature(
             "pivoting over full, speed", "almost identical",
-            pivoting.speed / full.speed, holds=abs(pivoting.speed / full.speed - 1) < 0.05,
+            pivoting.speed / full.speed, limit=about(1, 0.05),
         ),
         feature(
             "travel across over travel along the leg axis", "sideways",
             abs(full.velocity[0] / full.velocity[1]),
-            holds=abs(full.velocity[0]) < 0.01 * abs(full.velocity[1]),
+            limit=below(0.01),
         ),
     )  # fmt: skip
     return Result(rows=rows, figures={"fig6": paper.fig_6(found)})
@@ -54,11 +54,11 @@ def _fig_7(shop: Workshop) -> Result:
         record("pivoting model, yaw rate", pivoting.yaw_rate, "rad/s"),
         feature(
             "pivoting over full, yaw rate", "rotates significantly faster",
-            pivoting.yaw_rate / full.yaw_rate, holds=pivoting.yaw_rate > 5 * full.yaw_rate,
+            pivoting.yaw_rate / full.yaw_rate, limit=above(5),
         ),
         feature(
             "pivoting over full, speed", "almost identical",
-            pivoting.speed / full.speed, holds=abs(pivoting.speed / full.speed - 1) < 0.05,
+            pivoting.speed / full.speed, limit=about(1, 0.05),
             note="Almost identical on the lateral gait of Fig 6 only.",
         ),
     )  # fmt: skip
@@ -76,14 +76,20 @@ def _fig_15(shop: Workshop) -> Result:
         feature(
             "yaw amplitude, single-axis over full", "strong match",
             single.amplitude[2] / full.amplitude[2],
-            holds=abs(single.amplitude[2] / full.amplitude[2] - 1) < 0.05,
+            limit=about(1, 0.05),
         ),
         feature(
-            "yaw phase, single-axis less full", "strong match", lag, "deg", holds=abs(lag) < 5,
+            "yaw phase, single-axis less full", "strong match", lag, "deg", limit=about(0.0, 5),
             note="The yaw model is undamped, the full model's yaw is damped (eq 9).",
         ),
         record("yaw, single-axis less full", off[2]),
-        feature("roll amplitude over pitch amplitude", "negligible", roll, holds=roll < 0.05),
+        feature("roll amplitude over pitch amplitude", "negligible", roll, limit=below(0.05)),
+        *(
+            feature(f"mean {axis} over its amplitude, {model}", "oscillations about zero",
+                    float(state.mean[i] / state.amplitude[i]), limit=about(0.0, 0.1))
+            for model, state in (("full model", full), ("single-axis", single))
+            for i, axis in ((1, "pitch"), (2, "yaw"))
+        ),
         _speeds(single.speed / full.speed),
     )  # fmt: skip
     return Result(rows=rows, figures={"fig15": paper.fig_15(found)}, remarks=(_DEVIATION,))
@@ -99,15 +105,16 @@ def _fig_16(shop: Workshop) -> Result:
         feature(
             "roll amplitude over pitch amplitude", "small roll oscillations",
             full.amplitude[0] / full.amplitude[1],
-            holds=full.amplitude[0] < 0.5 * full.amplitude[1],
+            limit=below(0.5),
         ),
         feature(
-            "mean pitch, full model", "tilts from the vertical", tilt, "deg", holds=abs(tilt) > 1
+            "size of the mean pitch, full model", "tilts from the vertical", abs(tilt), "deg",
+            limit=above(1.0),
         ),
         record("mean pitch, pitch model", float(np.rad2deg(single.mean[1])), "deg"),
         feature(
             "net yaw in a cycle, single-axis over full", "both turn",
-            single.yaw_rate / full.yaw_rate, holds=single.yaw_rate / full.yaw_rate > 0.1,
+            single.yaw_rate / full.yaw_rate, limit=above(0.1),
         ),
         _speeds(single.speed / full.speed),
     )  # fmt: skip
@@ -123,7 +130,7 @@ def _fig_17(shop: Workshop) -> Result:
         rows += [
             feature(
                 f"{name}: largest distance from the unicycle over the length of the path",
-                "similar to a unicycle", part, holds=part < 0.02,
+                "similar to a unicycle", part, limit=below(0.02),
             ),
             record(f"{name}: the distance", 1000 * found.error, "mm"),
             record(f"{name}: the length", 1000 * found.length, "mm"),
@@ -147,12 +154,12 @@ _DEVIATION = (
 
 
 def _same(axis: str, off: float) -> Row:
-    return feature(f"{axis}, single-axis less full", "strong match", off, holds=off < 0.1)
+    return feature(f"{axis}, single-axis less full", "strong match", off, limit=below(0.1))
 
 
 def _speeds(ratio: float) -> Row:
     return feature("single-axis over full, speed", "match closely", ratio,
-                   holds=abs(ratio - 1) < 0.05)  # fmt: skip
+                   limit=about(1, 0.05))  # fmt: skip
 
 
 def _deviation(shop: Workshop, gait: str) -> Array:

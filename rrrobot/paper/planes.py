@@ -8,7 +8,7 @@ import numpy as np
 
 from rrrobot.drive.moves import out_of_phase_gait
 from rrrobot.paper import figures as paper
-from rrrobot.paper.item import Item, Result, Row, feature, record
+from rrrobot.paper.item import Item, Result, Row, about, above, below, feature, record
 from rrrobot.paper.workshop import HUMP, Workshop, hump, relative_rms
 from rrrobot.reduction.connection import Connection
 from rrrobot.reduction.yaw import net_yaw
@@ -27,7 +27,7 @@ def _fig_11(shop: Workshop) -> Result:
     rows = (
         feature(
             "root mean square difference of the maps, of the full model's", "represented well",
-            off, holds=off < 0.1,
+            off, limit=below(0.1),
         ),
         record("largest pitch amplitude, full model", _degrees(full.pitch_amplitude.max()), "deg"),
         record("largest pitch amplitude, pitch model", _degrees(pitch.pitch_amplitude.max()),
@@ -42,10 +42,10 @@ def _fig_12(shop: Workshop) -> Result:
     rows = (
         feature(
             "yaw model: amplitude at offset pi/2 over that at pi/4", "a hump", humps["yaw"],
-            holds=humps["yaw"] > HUMP,
+            limit=above(HUMP),
         ),
         feature(
-            "full model: the same", "no spike", humps["full"], holds=humps["full"] < HUMP,
+            "full model: the same", "no spike", humps["full"], limit=below(HUMP),
             note="It rises by a few per cent, where the yaw model falls to zero at 0 and pi.",
         ),
         record("root mean square difference of the maps, of the full model's",
@@ -62,12 +62,11 @@ def _fig_13(shop: Workshop) -> Result:
     for name, offset in (("A", 5 * np.pi / 8 + 0.15), ("B", np.pi / 2)):
         gait = out_of_phase_gait(offset=offset)
         by = {method: net_yaw(connection, gait, method=method) for method in ("area", "simulate")}
-        turns = abs(by["area"]) > 1e-6
         rows += [
             feature(
-                f"trajectory {name}: net yaw in a cycle, by area",
-                "net yaw" if name == "A" else "none", _degrees(by["area"]), "deg",
-                holds=turns == (name == "A"),
+                f"trajectory {name}: size of the net yaw in a cycle, by area",
+                "net yaw" if name == "A" else "none", abs(_degrees(by["area"])), "deg",
+                limit=above(_degrees(1e-6)) if name == "A" else below(_degrees(1e-6)),
             ),
             record(f"trajectory {name}: by dynamics", _degrees(by["simulate"]), "deg"),
         ]  # fmt: skip
@@ -82,7 +81,7 @@ def _fig_14(shop: Workshop) -> Result:
     rows = (
         feature(
             "median difference of the two maps", "different", _degrees(np.median(known)), "deg",
-            holds=float(np.rad2deg(np.median(known))) > 5,
+            limit=above(5.0),
         ),
         record("largest difference", _degrees(known.max()), "deg"),
     )  # fmt: skip
@@ -105,11 +104,11 @@ def _fig_18(shop: Workshop) -> Result:
         record("largest yaw rate", float(np.abs(alpha).max()), "rad/s"),
         feature(
             "yaw rate plus that mirrored at offset pi/2, of the largest", "changes sign there",
-            odd[0], holds=odd[0] < 1e-3,
+            odd[0], limit=below(0.001),
         ),
         feature(
             "yaw rate plus that mirrored at phase difference pi, of the largest",
-            "changes sign there", odd[1], holds=odd[1] < 1e-3,
+            "changes sign there", odd[1], limit=below(0.001),
         ),
     )  # fmt: skip
     return Result(rows=rows, figures={"fig18": paper.fig_18(full)})
@@ -136,7 +135,7 @@ def _fig_20(shop: Workshop) -> Result:
     rows = (
         feature(
             "largest over smallest amplitude", "varies with the offset",
-            float(found.max() / found.min()), holds=float(found.max() / found.min()) > 1.1,
+            float(found.max() / found.min()), limit=above(1.1),
         ),
         record("smallest amplitude", float(found.min()), "rad"),
         record("offset of the smallest", float(least), "rad"),
@@ -149,7 +148,17 @@ def _fig_20(shop: Workshop) -> Result:
 
 def _fig_21(shop: Workshop) -> Result:
     full = shop.plane("full")
-    return Result(rows=tuple(_reach(full)), figures={"fig21": paper.fig_21(full)})
+    left, right = float(full.velocity_y.max()), -float(full.velocity_y.min())
+    one_to_one = _one_to_one(full)
+    rows = [
+        *_reach(full),
+        feature("reach to the right over that to the left", "both directions", right / left,
+                limit=about(1.0, 1e-3)),
+        feature("cells of the plane that map without a fold, share", "an inverse relationship",
+                one_to_one, limit=above(0.5),
+                note="Each quarter of the plane maps one to one; the folds lie between them."),
+    ]  # fmt: skip
+    return Result(rows=tuple(rows), figures={"fig21": paper.fig_21(full)})
 
 
 def _fig_22(shop: Workshop) -> Result:
@@ -158,12 +167,12 @@ def _fig_22(shop: Workshop) -> Result:
     reach = [_range(single[name]) / _range(full[name]) for name in ("velocity_y", "yaw_rate")]
     rows += [
         feature(
-            "reached signed speed over the full model's", "some discrepancies", reach[0],
-            holds=abs(reach[0] - 1) > 0.02,
+            "reached signed speed off the full model's, part of it", "some discrepancies",
+            abs(reach[0] - 1), limit=above(0.02),
         ),
         feature(
             "reached yaw rate over the full model's", "similar", reach[1],
-            holds=abs(reach[1] - 1) < 0.15,
+            limit=about(1, 0.15),
             note="The full model turns fastest at offsets 0 and pi, where the yaw model does not.",
         ),
     ]  # fmt: skip
@@ -183,8 +192,8 @@ def _likeness(full: xr.Dataset, single: xr.Dataset, which: str) -> list[Row]:
         size = float(np.sqrt(np.mean(b**2) / np.mean(a**2)))
         title = f"{which}: {name.replace('_', ' ')}"
         rows += [
-            feature(f"{title}, likeness", "structure matches well", like, holds=like > 0.95),
-            feature(f"{title}, ratio", "magnitude matches well", size, holds=abs(size - 1) < 0.1),
+            feature(f"{title}, likeness", "structure matches well", like, limit=above(0.95)),
+            feature(f"{title}, ratio", "magnitude matches well", size, limit=about(1, 0.1)),
         ]
     ratio = (single.speed / full.speed).to_numpy()[both]
     low, high = np.quantile(ratio, (0.05, 0.95))
@@ -192,7 +201,7 @@ def _likeness(full: xr.Dataset, single: xr.Dataset, which: str) -> list[Row]:
         *rows,
         feature(
             f"{which}: speed, ratio at the fifth over that at the 95th percentile",
-            "structural difference", float(low / high), holds=float(low / high) < 0.9,
+            "structural difference", float(low / high), limit=below(0.9),
         ),
         record(f"{which}: speed, median ratio", float(np.median(ratio))),
     ]  # fmt: skip
@@ -200,6 +209,18 @@ def _likeness(full: xr.Dataset, single: xr.Dataset, which: str) -> list[Row]:
 
 def _range(values: xr.DataArray) -> float:
     return float(values.max() - values.min())
+
+
+def _one_to_one(ds: xr.Dataset) -> float:
+    """Share of the cells over which (v, yaw rate) turns one way, by the sign of the Jacobian, of
+    the larger sign in each quarter of the plane."""
+    v, alpha = ds.velocity_y.to_numpy(), ds.yaw_rate.to_numpy()
+    v_o, v_p = np.gradient(v)
+    a_o, a_p = np.gradient(alpha)
+    sign = np.sign(v_o * a_p - v_p * a_o)
+    half = [slice(0, n // 2) for n in sign.shape], [slice(-(n // 2), None) for n in sign.shape]
+    quarters = [sign[half[i][0], half[j][1]] for i in (0, 1) for j in (0, 1)]
+    return float(np.mean([max((q > 0).mean(), (q < 0).mean()) for q in quarters]))
 
 
 def _reach(ds: xr.Dataset) -> list[Row]:

@@ -7,21 +7,24 @@ import math
 from collections import Counter
 from typing import Any, NamedTuple
 
-from rrrobot.paper.item import AGREES, DIFFERS, ERRATUM, OPEN
+from rrrobot.paper.item import AGREES, DIFFERS, ERRATUM, INPUT, OPEN
 
 _INTRO = (
     "Every table, figure and claim of R. Balasubramanian, A. A. Rizzi and M. T. Mason, An "
     "approximate decoupled dynamics and kinematics analysis of legless locomotion, made anew by "
     "rrrobot: what the paper prints or says, what we get, their ratio, and a verdict that is "
-    "computed from the number."
+    "computed from the number by the limit beside it. The limit of a printed number is half its "
+    "last digit; where the paper has words, such as 'small' or 'well', the limit is ours. Its "
+    "figures can be judged only by their captions and the text about them."
 )
 _MEANING = {
     AGREES: "as the paper has it, to its printed digits or to the limit given in words",
     DIFFERS: "not so",
     ERRATUM: "the paper contradicts itself or its Table 2; the note says what is right",
+    INPUT: "taken from the paper; not counted as agreement",
     OPEN: "the paper gives no number; ours is for the record",
 }
-_HEAD = ("quantity", "paper", "rrrobot", "ratio", "verdict", "note")
+_HEAD = ("quantity", "paper", "rrrobot", "ratio", "limit", "verdict", "note")
 
 
 class Section(NamedTuple):
@@ -82,7 +85,7 @@ def markdown(sections: list[Section], about: About) -> str:
             "",
         ]
         lines += [f"`{section.command}`", ""]
-        lines += ["| " + " | ".join(_HEAD) + " |", "|---|---|---:|---:|---|---|"]
+        lines += ["| " + " | ".join(_HEAD) + " |", "|---|---|---:|---:|---:|---|---|"]
         lines += ["| " + " | ".join(_bars(c) for c in _cells(row)) + " |" for row in section.rows]
         for remark in section.remarks:
             lines += ["", remark]
@@ -140,7 +143,7 @@ def _cells(row: dict[str, Any]) -> tuple[str, ...]:
     printed = "" if paper is None else paper if isinstance(paper, str) else f"{paper:g}{unit}"
     found = ours if isinstance(ours, str) else f"{short(ours)}{unit}"
     ratio = "" if row["ratio"] is None else f"{row['ratio']:.3f}"
-    return row["quantity"], printed, found, ratio, row["verdict"], row["note"]
+    return row["quantity"], printed, found, ratio, row["limit"], row["verdict"], row["note"]
 
 
 def short(value: float) -> str:
@@ -152,8 +155,8 @@ def _html_row(row: dict[str, Any]) -> str:
     cells = [html.escape(cell) for cell in _cells(row)]
     return (
         f"<tr><td>{cells[0]}</td><td>{cells[1]}</td><td class=n>{cells[2]}</td>"
-        f'<td class=n>{cells[3]}</td><td class="{_css(cells[4])}">{cells[4]}</td>'
-        f"<td>{cells[5]}</td></tr>"
+        f"<td class=n>{cells[3]}</td><td class=n>{cells[4]}</td>"
+        f'<td class="{_css(cells[5])}">{cells[5]}</td><td>{cells[6]}</td></tr>'
     )
 
 
@@ -193,7 +196,7 @@ code {{ background: #f2f2f2; padding: 0.1rem 0.3rem; }}
 .agrees {{ color: #00543c; }}
 .differs {{ color: #a3000c; font-weight: 600; }}
 .erratum {{ color: #7a4b00; font-weight: 600; }}
-.not-printed {{ color: #555; }}
+.not-printed, .input {{ color: #555; }}
 li span {{ font-size: 0.85rem; margin-left: 0.4rem; }}
 </style></head><body>
 {body}

@@ -17,7 +17,7 @@ from rrrobot.paper.closed_forms import (
     simple_pendulum_period,
     yaw_mass_matrix,
 )
-from rrrobot.paper.item import Item, Result, Row, feature, number, record
+from rrrobot.paper.item import Item, Result, Row, about, below, feature, number, record
 from rrrobot.paper.schematic import MassPoint, mass_points
 from rrrobot.paper.workshop import Workshop
 from rrrobot.robot.parameters import RRRobotParameters
@@ -43,7 +43,7 @@ def _fig_3(shop: Workshop) -> Result:
     run = shop.comparison("circular").trajectories["pivoting"]
     slip = float(run.slip.max())
     row = feature(
-        "slip of the recombined motion", "rolls without slipping", slip, "m/s", holds=slip < 1e-12
+        "slip of the recombined motion", "rolls without slipping", slip, "m/s", limit=below(1e-12)
     )
     return Result(rows=(row,), figures={"fig3": paper.fig_3(shop.robot)})
 
@@ -87,7 +87,7 @@ def _fig_10(shop: Workshop) -> Result:
         worst = max(worst, float(np.abs(ours - yaw_mass_matrix(RRRobotParameters(), legs)).max()))
     row = feature(
         "Pinocchio's mass matrix less eq (12), 50 random leg angles", "eq (12)", worst, "kg m^2",
-        holds=worst < 1e-13,
+        limit=below(1e-13),
     )  # fmt: skip
     return Result(rows=(row,), figures={"fig10": paper.fig_10(shop.robot)})
 
@@ -129,11 +129,11 @@ def _pendulum_rows(swings: list[Trajectory], period: float, equation: str) -> tu
     return (
         feature(
             f"period of a swing from {_STARTS[0]} rad over {equation}", "for small amplitude",
-            found[0] / period, holds=abs(found[0] / period - 1) < 0.002,
+            found[0] / period, limit=about(1, 0.002),
         ),
         feature(
             "its largest deviation from a cosine, of its amplitude", "harmonic for small amplitude",
-            off, holds=off < 0.002,
+            off, limit=below(0.002),
         ),
         record(f"period from {_STARTS[1]} rad over {equation}", found[1] / period),
     )  # fmt: skip
