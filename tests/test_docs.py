@@ -1,5 +1,6 @@
 """What the README and the docstrings show must run; what they link to must exist."""
 
+import ast
 import doctest
 import importlib
 import pkgutil
@@ -47,6 +48,17 @@ def test_pages_name_tests_that_exist(page):
     for file, test in re.findall(r"`(test_\w+\.py)(?:::(\w+))?`", page.read_text()):
         text = (ROOT / "tests" / file).read_text()
         assert not test or f"def {test}(" in text, f"{page.name} names {file}::{test}"
+
+
+def test_the_examples_page_has_every_example_with_its_question():
+    rows = re.findall(
+        r"^\| (.*?) \| `(\w+\.py)` \|$", (ROOT / "docs/examples.md").read_text(), re.M
+    )
+    examples = {
+        path.name: ast.get_docstring(ast.parse(path.read_text())).splitlines()[0]
+        for path in (ROOT / "examples").glob("*.py")
+    }
+    assert {name: question for question, name in rows} == examples
 
 
 @pytest.mark.parametrize("name", MODULES)
