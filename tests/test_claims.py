@@ -78,6 +78,7 @@ def test_a_claim_can_fail(shop, monkeypatch):
     assert Found(shop, "claim-pitch-frequency").differing() == [
         "settled pitch frequency over the legs'",
         "rest of the spectrum between harmonics, over the peak",
+        "or, read as the body's own: its pitch frequency over the legs'",
     ]
 
 

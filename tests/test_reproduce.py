@@ -213,7 +213,7 @@ def test_command(tmp_path: Path) -> None:
     out = str(tmp_path / "out")
     result = CliRunner().invoke(cli, ["reproduce", "--out", out, "--only", "Table2, fig9"])
     assert result.exit_code == 0, result.output
-    assert "leg mass M_l: 0.057 kg (paper: 0.057), agrees" in result.output
+    assert "leg mass M_l: 0.057 kg (paper: 0.057), input" in result.output
     assert result.output.strip().endswith("report.html")
     result = CliRunner().invoke(cli, ["reproduce", "--out", out, "--only", "fig9", "--json"])
     assert json.loads(result.stdout)["sections"][0]["rows"][0]["verdict"] == AGREES
