@@ -101,7 +101,7 @@ class Shades:
             (level, ax.contour(x, y, difference, [0.0], colors=BLACK,
                                linewidths=1.6 if level == 0 else 0.8,
                                linestyles="--" if level < 0 else "-"))
-            for level in self.levels()
+            for level in (self.levels() if data.count() else ())
             if (difference := above(data, level)).min() < 0 < difference.max()
         ]  # fmt: skip
         _label(ax, drawn)
@@ -121,14 +121,14 @@ def _above(data: Any, level: float) -> Any:
     would wind along the border, or step aside where two such lines cross. On the border the side
     is the inner neighbour's, inside it is that of the value a little farther along both axes.
     """
-    difference = np.ma.copy(data - level)
+    difference = np.array(data - level)
     rounding = np.abs(difference) < _ROUNDING * np.abs(data).max()
-    along = sum(np.gradient(difference.filled(0.0)))
-    difference = np.ma.where(rounding, _ROUNDING**2 * along, difference)
+    along = sum(np.gradient((data - level).filled(0.0)))
+    difference[rounding] = _ROUNDING**2 * along[rounding]
     for table, noise in ((difference, rounding), (difference.T, rounding.T)):
         for edge, inner in ((0, 1), (-1, -2)):
-            table[edge] = np.ma.where(noise[edge], _ROUNDING**2 * table[inner], table[edge])
-    return difference
+            table[edge][noise[edge]] = _ROUNDING**2 * table[inner][noise[edge]]
+    return np.ma.array(difference, mask=np.ma.getmaskarray(data))
 
 
 def _refined_angles(x: Array, y: Array, data: Any) -> tuple[Array, Array, Any]:
