@@ -201,7 +201,7 @@ def test_pitch_frequency(shop):
     found = Found(shop, "claim-pitch-frequency")
     assert [name[:13] for name in found.differing()] == ["settled pitch", "or, read as t"]
     assert found["settled pitch"] == 0.0 and found["rest of the spectrum"] < 1e-8
-    assert found["own pitch"] == pytest.approx(2 * math.pi / 1.08145 / 8, rel=1e-5)
+    assert found["its pitch frequency"] == pytest.approx(2 * math.pi / 1.08145 / 8, rel=1e-5)
 
 
 def test_mean_pitch(shop):
