@@ -72,8 +72,7 @@ def test_sweep_by_orbits():
     for name in ("speed", "velocity_x", "velocity_y", "yaw_rate", "roll_amplitude", "roll_mean",
                  "pitch_amplitude", "yaw_amplitude", "rms_torque"):  # fmt: skip
         np.testing.assert_allclose(orbits[name], cycles[name], rtol=1e-6, atol=1e-9, err_msg=name)
-    # The least force is looked for at more instants of the interpolation than after cycles.
-    np.testing.assert_allclose(orbits.normal_force, cycles.normal_force, rtol=2e-4)
+    np.testing.assert_allclose(orbits.normal_force, cycles.normal_force, rtol=1e-7)
     one = rr.limit_cycle(FULL, rr.SinusoidalGait(offset=0.3, amplitude=0.3, angular_frequency=8.0,
                                                  phase=(0.0, 0.4)))  # fmt: skip
     assert float(orbits.speed[0, 0]) == pytest.approx(one.speed, rel=1e-7)

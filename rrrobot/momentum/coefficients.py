@@ -10,6 +10,10 @@ velocities relative to the base,
 
 They are what `pin.crba` holds: with B = M[:6, :6], mc = (-B[2,4], -B[0,5], -B[1,3]), I = B[3:, 3:],
 (p_rel, L_rel) = M[:6, 6:] phi_dot. Here they are computed for many leg states at once.
+
+What a body adds that turns on the base and carries no other is a sum of second harmonics of its
+joint's angle a, times a's rate in p_rel and L_rel: five factors of 1, cos a, sin a, cos 2a, sin 2a
+for each number, taken once from sixteen angles.
 """
 
 from __future__ import annotations
@@ -17,97 +21,21 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.momentum.compiled import borrowed, compiled, inner, lanes
+from rrrobot.momentum.tree import Tree, tree_of
 from rrrobot.momentum.trigonometry import sine_cosine
-from rrrobot.robot.mimics import Coupling
 from rrrobot.robot.robot import Robot
 
 LANES = 16
 """Leg states, and gaits, that are worked on side by side, so that the compiler uses vectors."""
 N_COEFFICIENTS = 15
+_MOVING = 9
+"""Where the numbers begin that are proportional to the joints' rates."""
 N_PLACEMENT = 18
 """Numbers that place a body: rotation (9), position, angular velocity and velocity (3 each)."""
-
-
-class Tree(NamedTuple):
-    """A robot's joints and bodies as plain arrays; row 0 is the base."""
-
-    parent: NDArray[np.int64]
-    """row of the parent body (n,)"""
-    rotation: Array
-    """of the joint's frame in its parent's (n, 3, 3)"""
-    translation: Array
-    """(n, 3) [m]"""
-    axis: Array
-    """unit axis in the joint's frame (n, 3)"""
-    prismatic: NDArray[np.bool_]
-    """(n,)"""
-    leg: NDArray[np.int64]
-    """which leg coordinate moves the joint (n,); -1 for the base"""
-    ratio: Array
-    """of the joint's coordinate to the leg's (n,); 1 unless it mimics a leg"""
-    shift: Array
-    """of the joint's coordinate where the leg's is zero (n,) [rad or m]"""
-    mass: Array
-    """(n,) [kg]"""
-    lever: Array
-    """centre of mass in the body's frame (n, 3) [m]"""
-    inertia: Array
-    """about the centre of mass (n, 3, 3) [kg m^2]"""
-    point: NDArray[np.bool_]
-    """whether that is zero (n,)"""
-
-
-def tree_of(robot: Robot, origin: Array | None = None) -> Tree:
-    """Arrays of a robot's Pinocchio model.
-
-    Args:
-        robot: any robot.
-        origin: of the base's positions, in the base's frame (3,) [m]; the shell's centre if None.
-    """
-    about = robot.shell_placement.translation if origin is None else origin
-    model, data = robot.model, robot.model.createData()
-    pin.forwardKinematics(model, data, pin.neutral(model), np.zeros(model.nv))
-    n = model.njoints - 1
-    tree = Tree(
-        np.zeros(n, dtype=np.int64),
-        np.tile(np.eye(3), (n, 1, 1)),
-        np.zeros((n, 3)),
-        np.zeros((n, 3)),
-        np.zeros(n, dtype=np.bool_),
-        np.full(n, -1, dtype=np.int64),
-        np.ones(n),
-        np.zeros(n),
-        np.zeros(n),
-        np.zeros((n, 3)),
-        np.zeros((n, 3, 3)),
-        np.zeros(n, dtype=np.bool_),
-    )
-    for i in range(n):
-        joint = i + 1
-        body = model.inertias[joint]
-        tree.mass[i], tree.lever[i], tree.inertia[i] = body.mass, body.lever, body.inertia
-        tree.point[i] = not np.any(tree.inertia[i])
-        if i == 0:
-            tree.translation[0] = -about
-            continue
-        placement = model.jointPlacements[joint]
-        tree.parent[i] = model.parents[joint] - 1
-        tree.rotation[i], tree.translation[i] = placement.rotation, placement.translation
-        subspace = np.asarray(data.joints[joint].S).reshape(6)
-        tree.prismatic[i] = np.any(subspace[:3] != 0)
-        tree.axis[i] = subspace[:3] if tree.prismatic[i] else subspace[3:]
-        leg, tree.ratio[i], tree.shift[i] = robot.couplings.get(
-            model.names[joint], Coupling(model.names[joint], 1.0, 0.0)
-        )
-        # Pinocchio's axis of a mimic joint is per unit of the leg's coordinate.
-        tree.axis[i] /= tree.ratio[i]
-        tree.leg[i] = robot.legs.index(leg)
-    return tree
 
 
 def coefficients(robot: Robot, leg_angle: Array, leg_rate: Array) -> Array:
@@ -140,7 +68,11 @@ class LaneWork(NamedTuple):
     bodies: Array
     """placement of each body, then one joint's motion (n + 1, N_PLACEMENT LANES)"""
     base: Array
-    """the base's own part of the coefficients, the same for all (15 LANES,)"""
+    """the part of the coefficients that is the same for all (15 LANES,)"""
+    swinging: NDArray[np.bool_]
+    """whether a body turns on the base and carries no other (n,)"""
+    swings: Array
+    """its factors of (1, cos, sin, cos 2, sin 2) of its joint's angle (n, 15, 5)"""
 
 
 def lane_work(tree: Tree) -> LaneWork:
@@ -148,12 +80,35 @@ def lane_work(tree: Tree) -> LaneWork:
     legs, n = int(tree.leg.max(initial=-1)) + 1, tree.mass.size
     bodies = np.zeros((n + 1, N_PLACEMENT, LANES))
     bodies[0, :9], bodies[0, 9:12] = tree.rotation[0].reshape(9, 1), tree.translation[0][:, None]
+    turns = (tree.parent == 0) & ~tree.prismatic & ~np.isin(np.arange(n), tree.parent[1:])
+    turns[0] = False
     work = LaneWork(
         np.zeros((legs, LANES)), np.zeros((legs, LANES)), bodies.reshape(n + 1, -1),
-        np.zeros(N_COEFFICIENTS * LANES),
+        np.zeros(N_COEFFICIENTS * LANES), turns, np.zeros((n, N_COEFFICIENTS, 5)),
     )  # fmt: skip
     _add_body(tree, 0, work.bodies, work.base)
+    for i in np.flatnonzero(turns):
+        factors = _swing_of(tree, int(i), work.bodies)
+        work.base[: _MOVING * LANES] += np.repeat(factors[:_MOVING, 0], LANES)
+        factors[:_MOVING, 0] = 0.0
+        work.swings[i] = factors
     return work
+
+
+def _swing_of(tree: Tree, i: int, bodies: Array) -> Array:
+    """Factors of what body i adds (15, 5), its joint turning at 1 rad/s."""
+    turn = 2 * np.pi / LANES * np.arange(LANES)
+    values = np.zeros(N_COEFFICIENTS * LANES)
+    angle, rate = (turn - tree.shift[i]) / tree.ratio[i], np.full(LANES, 1 / tree.ratio[i])
+    _add_turned(tree, i, angle, rate, bodies, values)
+    rows = values.reshape(-1, LANES)
+    waves = np.array((0.5 + 0 * turn, *(f(k * turn) for k in (1, 2) for f in (np.cos, np.sin))))
+    factors = 2 / LANES * rows @ waves.T
+    for first, last in ((0, 3), (3, 9), (9, 12), (12, 15)):
+        # What is zero by symmetry stays so.
+        some = factors[first:last]
+        some[np.abs(some) < 1e-15 * np.abs(rows[first:last]).max()] = 0.0
+    return factors
 
 
 def fill(tree: Tree, angle: Array, rate: Array, out: Array) -> None:
@@ -190,8 +145,45 @@ def fill_lanes(tree, work, table, at):  # type: ignore[no-untyped-def]
     for e in range(N_COEFFICIENTS * LANES):
         out[e] = work.base[e]
     for i in range(1, tree.mass.size):
+        if work.swinging[i]:
+            leg = tree.leg[i]
+            _add_swing(
+                work.swings[i], tree.ratio[i], tree.shift[i], work.angle[leg], work.rate[leg],
+                work.bodies[tree.mass.size], out,
+            )  # fmt: skip
+            continue
         _move(tree, i, work.angle[tree.leg[i]], work.rate[tree.leg[i]], work.bodies)
         _add_body(tree, i, work.bodies, out)
+
+
+@lanes
+def _add_swing(f, ratio, shift, angle, rate, wave, out):  # type: ignore[no-untyped-def]
+    """Add what a body adds that turns on the base, in every lane."""
+    for k in range(LANES):
+        wave[LANES + k], wave[k] = sine_cosine(ratio * angle[k] + shift)
+    for k in range(LANES):
+        c, s = wave[k], wave[LANES + k]
+        wave[2 * LANES + k], wave[3 * LANES + k] = c * c - s * s, 2.0 * s * c
+        wave[4 * LANES + k] = ratio * rate[k]
+    for n in range(N_COEFFICIENTS):
+        still, f1, f2, f3, f4 = f[n, 0], f[n, 1], f[n, 2], f[n, 3], f[n, 4]
+        if n < _MOVING:
+            for k in range(LANES):
+                out[n * LANES + k] += (f1 * wave[k] + f2 * wave[LANES + k]) + (
+                    f3 * wave[2 * LANES + k] + f4 * wave[3 * LANES + k]
+                )
+        else:
+            for k in range(LANES):
+                out[n * LANES + k] += wave[4 * LANES + k] * (
+                    (still + f1 * wave[k] + f2 * wave[LANES + k])
+                    + (f3 * wave[2 * LANES + k] + f4 * wave[3 * LANES + k])
+                )
+
+
+@compiled()
+def _add_turned(tree, i, angle, rate, bodies, out):  # type: ignore[no-untyped-def]
+    _move(tree, i, angle, rate, bodies)
+    _add_body(tree, i, bodies, out)
 
 
 @lanes

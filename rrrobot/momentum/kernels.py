@@ -30,6 +30,8 @@ N_PARAMETER = 8
 whether that is on the Euler rates (1) or the body rates (0)."""
 N_STAGES = 12
 BLOCK = N_STATE * LANES
+TILT = 7 * LANES
+"""Entries of a block that do not depend on heading and place on level ground."""
 
 _B = np.ascontiguousarray(DOP853.B)
 NODES = np.unique(DOP853.C[:N_STAGES])
@@ -247,30 +249,30 @@ def _decoupled_rates(y, c, row, par, k, stage):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def _advance(y, slopes, which, weights, n, h, total, out):  # type: ignore[no-untyped-def]
-    """out = y + h (sum of weighted slopes), for every lane; total is scratch."""
+def _advance(y, slopes, which, weights, n, h, size, total, out):  # type: ignore[no-untyped-def]
+    """out = y + h (sum of weighted slopes) of `size` entries; total is scratch."""
     for g in range(which.shape[1]):
         j0, j1, j2, j3 = which[n, g, 0], which[n, g, 1], which[n, g, 2], which[n, g, 3]
         a0, a1, a2, a3 = weights[n, g, 0], weights[n, g, 1], weights[n, g, 2], weights[n, g, 3]
         if j0 < 0:
             break
         if g == 0:
-            for e in range(BLOCK):
+            for e in range(size):
                 total[e] = (a0 * slopes[j0, e] + a1 * slopes[j1, e]) + (
                     a2 * slopes[j2, e] + a3 * slopes[j3, e]
                 )
         else:
-            for e in range(BLOCK):
+            for e in range(size):
                 total[e] += (a0 * slopes[j0, e] + a1 * slopes[j1, e]) + (
                     a2 * slopes[j2, e] + a3 * slopes[j3, e]
                 )
-    for e in range(BLOCK):
+    for e in range(size):
         out[e] = y[e] + h[e] * total[e]
 
 
 @lanes
 def step(  # type: ignore[no-untyped-def]
-    y, table, at, h, par, axis, slopes, total, work, areas, terrain, rolling
+    y, table, at, h, par, axis, slopes, total, work, areas, terrain, rolling, size=BLOCK
 ):
     """One step of every lane, in place; adds the integrals of x, y and yaw to areas (3 LANES,).
 
@@ -283,17 +285,22 @@ def step(  # type: ignore[no-untyped-def]
         slopes: scratch (N_STAGES, BLOCK); its first row then holds the rates at the step's start.
         total, work: scratch (BLOCK,), (BLOCK,).
         terrain, rolling: shell and ground, and scratch for them, where axis is ANY; else None.
+        size: entries of y that are carried on; TILT leaves out x, y and yaw, and their integrals.
     """
     for stage in range(N_STAGES + 1):
         if stage == 0:
             for e in range(BLOCK):
                 work[e] = y[e]
         else:
-            _advance(y, slopes, _WHICH, _WEIGHT, stage, h, total, work)
+            # Each with a constant size, which makes faster loops.
+            if size == BLOCK:
+                _advance(y, slopes, _WHICH, _WEIGHT, stage, h, BLOCK, total, work)
+            else:
+                _advance(y, slopes, _WHICH, _WEIGHT, stage, h, TILT, total, work)
         if stage == N_STAGES:
             break
         b = _B[stage]
-        if b != 0.0:
+        if b != 0.0 and size == BLOCK:
             for e in range(3 * LANES):
                 areas[e] += b * h[e] * work[7 * LANES + e]
         row = at + _NODE[stage]
@@ -307,5 +314,5 @@ def step(  # type: ignore[no-untyped-def]
                 _decoupled_rates(work, table, row, par, slopes, stage)
         else:
             rolling_rates(work, table, row, par, slopes, stage, terrain, rolling)
-    for e in range(BLOCK):
+    for e in range(size):
         y[e] = work[e]

@@ -15,9 +15,9 @@ from rrrobot.models.base import VERTICAL_PITCH, Model
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
-from rrrobot.momentum.coefficients import Tree, tree_of
 from rrrobot.momentum.kernels import ANY, DECOUPLED
 from rrrobot.momentum.terrain import LEVEL, Terrain, fineness, terrain_of
+from rrrobot.momentum.tree import Tree, tree_of
 from rrrobot.robot.robot import Robot
 
 VERTICAL = float(np.sin(VERTICAL_PITCH))

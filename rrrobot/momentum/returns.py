@@ -10,7 +10,6 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import Gait
@@ -170,26 +169,19 @@ def _out_of_blocks(blocks: Array, n: int) -> Array:
     return np.ascontiguousarray(rows[:n])
 
 
-def carry(
-    cycles: Cycles, y: Array, periods: int = 1, wanted: NDArray[np.bool_] | None = None
-) -> Array:
+def carry(cycles: Cycles, y: Array, periods: int = 1) -> Array:
     """States (n, N_STATE) after whole periods of the legs.
 
     Args:
         cycles: of n gaits.
         y: states at the start (n, N_STATE).
         periods: how many.
-        wanted: which gaits (n,); the states of others may be left as they are. All if None.
     """
     state = _in_blocks(y)
-    chosen = np.ones(len(state), dtype=np.bool_)
-    if wanted is not None:
-        full = np.concatenate((wanted, np.zeros(-len(wanted) % LANES, dtype=bool)))
-        chosen = np.asarray(full.reshape(-1, LANES).any(axis=1))
     setting = cycles.setting
     par = np.repeat(setting.parameters, LANES)
     _carry(
-        state, cycles.tables, cycles.h, chosen, periods, par, setting.axis, setting.terrain,
+        state, cycles.tables, cycles.h, periods, par, setting.axis, setting.terrain,
         scratch(setting.terrain), _scratch(),
     )  # fmt: skip
     return _out_of_blocks(state, cycles.n)
@@ -236,7 +228,7 @@ def _tabulate(tree, gaits, turns, work, out):  # type: ignore[no-untyped-def]
 
 @compiled()
 def _carry(  # type: ignore[no-untyped-def]
-    state, tables, h, chosen, periods, par, axis, terrain, rolling, work
+    state, tables, h, periods, par, axis, terrain, rolling, work
 ):
     state, tables, h, par, rolling, work = (
         borrowed(state), borrowed(tables), borrowed(h), borrowed(par), borrowed(rolling),
@@ -246,8 +238,6 @@ def _carry(  # type: ignore[no-untyped-def]
         terrain = borrowed(terrain)
     slopes, total, other, areas, _ = work
     for b in range(len(state)):
-        if not chosen[b]:
-            continue
         y, table = state[b], tables[b]
         for _period in range(periods):
             for at in range(0, len(table) - 1, ROWS_PER_STEP):

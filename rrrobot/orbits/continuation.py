@@ -24,8 +24,9 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.errors import OrbitError, RRRobotError
+from rrrobot.momentum.newton import TOLERANCE
 from rrrobot.orbits.found import LONGEST_STEP, Case, Found, described
-from rrrobot.orbits.newton import STENCIL, TOLERANCE, ReturnMap, derivative
+from rrrobot.orbits.newton import STENCIL, ReturnMap, derivative
 from rrrobot.orbits.parameters import Parameter
 
 _PARAMETER_STEP = 1e-3

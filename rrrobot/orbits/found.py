@@ -12,9 +12,10 @@ from rrrobot.drive.gaits import Gait
 from rrrobot.errors import GaitError, ModelError, OrbitError, ParameterError
 from rrrobot.models.base import Model
 from rrrobot.momentum.batch import Setting, decoupled_setting, lower
+from rrrobot.momentum.newton import TOLERANCE
 from rrrobot.momentum.returns import Cycles, Seen, carry, cycles_of_gait
 from rrrobot.orbits.measures import Measures, look, measures
-from rrrobot.orbits.newton import TOLERANCE, ReturnMap, derivative, iterate, return_map
+from rrrobot.orbits.newton import ReturnMap, derivative, iterate, return_map
 from rrrobot.orbits.section import Section, section_of
 
 LONGEST_STEP = 0.025

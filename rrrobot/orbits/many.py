@@ -1,9 +1,8 @@
-"""The limit cycles of many gaits at once, each from its neighbours'.
+"""The limit cycles of many gaits at once.
 
-A few gaits are solved from rest. The others follow in stages from what an interpolation of the
-solved ones foretells, orbit and derivative of the return map, so that most need three or four
-periods of simulation. What is not found so, or is found unstable, is tried again from what the
-impulsive start comes to.
+Each gait is solved from rest, by maps of fewer steps first: see `momentum.cycle_search`. What is
+not found so, or does not hold, is tried again from what the impulsive start comes to in `SETTLING`
+periods. What a gait gives does not depend on the others beside it, to the last bit.
 """
 
 from __future__ import annotations
@@ -15,58 +14,44 @@ from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.momentum.batch import LOADS, RESULT, FourierGaits, Gaits, Setting, fourier
+from rrrobot.momentum.cycle_look import NO_ORBIT
+from rrrobot.momentum.cycle_search import Found, search
 from rrrobot.momentum.extremes import LOADS as ALL_LOADS
 from rrrobot.momentum.extremes import extremes
-from rrrobot.momentum.kernels import DECOUPLED, LIFT_OFF, NOT_FINITE, OK, TURNS_OVER, VERTICAL
-from rrrobot.momentum.returns import carry, cycles_of
-from rrrobot.orbits.measures import look, measures
-from rrrobot.orbits.newton import (
-    TOLERANCE,
-    ReturnMap,
-    Roots,
-    iterate,
-    return_map,
-    rough_derivative,
-)
-from rrrobot.orbits.section import Section, section_of
+from rrrobot.momentum.kernels import DECOUPLED, LIFT_OFF, NOT_FINITE, OK, TURNS_OVER
+from rrrobot.momentum.newton import Chart
+from rrrobot.orbits.section import section_of
+from rrrobot.rotations import turns_over
 
-UNSTABLE, NO_ORBIT = 6, 7
-"""Further reasons why a gait has no steady state: its orbit does not hold; none was found."""
-_FIRST = 48
-"""Gaits that are solved from rest, at least, and the part of all that is:"""
-_FIRST_PART = 1 / 24
-_STAGE = 4
-"""By how much the number of solved gaits grows in a stage."""
-_KNOWN = 320
-"""Most solutions that an interpolation takes."""
-_SETTLING = 30
+UNSTABLE = 6
+"""A further reason why a gait has no steady state: its orbit does not hold."""
+SETTLING = 30
 """Periods of the second try."""
-_CHUNK = 2048
+_MOST, _MOST_AGAIN = 12, 45
+"""Broyden's steps of the two tries."""
 _SLOWEST = 1.0 - 1e-6
 """Largest |multiplier| that counts as stable; differences of the map are good to 1e-7."""
-_RESULTS = len(RESULT)
+_STATUS, _VARIATION = RESULT.index("status"), RESULT.index("variation")
+_YAW_RATE = RESULT.index("yaw_rate")
+__all__ = ["NO_ORBIT", "UNSTABLE", "Orbits", "orbit_states", "orbits_of"]
 
 
 class Orbits(NamedTuple):
     """Limit cycles of n gaits."""
 
     results: Array
-    """(n, columns) as `RESULT`, then the loads that were asked for; NaN unless the status is OK"""
+    """(n, columns) as `RESULT`, then the loads that were asked for; of an orbit that lifts off the
+    numbers stand, of others whose status is not OK all but the residual are NaN"""
     multiplier: Array
     """largest |Floquet multiplier| (n,); NaN if it was not asked for or there is no orbit"""
     point: Array
     """coordinates of the orbits' starts (n, size)"""
-    periods: NDArray[np.int64]
-    """simulated for each gait's search, without multipliers (n,)"""
-
-
-class _Solved(NamedTuple):
-    point: Array
     slope: Array
-    """dP/dx (n, size, size)"""
-    inverse: Array
-    found: NDArray[np.bool_]
-    periods: NDArray[np.int64]
+    """derivative of the return map there (n, size, size); NaN without `stability`"""
+    periods: Array
+    """simulated for each gait's search, those of fewer steps in part, without multipliers (n,)"""
+    motion: Array
+    """z_body and angular velocity at the steps of the cycle, as `Settled.motion`"""
 
 
 def orbit_states(
@@ -84,7 +69,10 @@ def orbit_states(
     found.
     """
     yaw = None if yaw_amplitude is None else fourier(gaits._replace(amplitude=yaw_amplitude))
-    return orbits_of(setting, fourier(gaits), steps_per_cycle, yaw=yaw, loads=loads).results
+    out = orbits_of(setting, fourier(gaits), steps_per_cycle, yaw=yaw, loads=loads).results
+    jumping = np.flatnonzero(out[:, _STATUS] == LIFT_OFF)
+    out[np.ix_(jumping, np.arange(out.shape[1]) != _STATUS)] = np.nan
+    return out
 
 
 def orbits_of(
@@ -95,6 +83,7 @@ def orbits_of(
     yaw: FourierGaits | None = None,
     loads: bool = False,
     stability: bool = True,
+    near: Orbits | None = None,
 ) -> Orbits:
     """Limit cycles of n gaits of any harmonics, of the legs' period.
 
@@ -105,170 +94,82 @@ def orbits_of(
         yaw: gaits of the yaw model alone, if decoupled.
         loads: whether to have torques and friction too.
         stability: whether to find the multipliers, and to give UNSTABLE to what does not hold.
+        near: a neighbour's orbit, of one gait, from which all start; found with `stability`.
 
     Raises:
-        ModelError: nothing brakes the model.
+        ModelError: nothing brakes the model, or the ground is not level.
     """
     section = section_of(setting, "swept")
-    steps *= setting.fineness
-    parts = [
-        _chunk(setting, section, _some(gaits, here), steps, _some(yaw, here), loads, stability)
-        for here in np.array_split(
-            np.arange(len(gaits.offset)), max(1, -(-len(gaits.offset) // _CHUNK))
-        )
-    ]
-    return Orbits(*(np.concatenate([part[k] for part in parts]) for k in range(4)))
-
-
-def _some(gaits: FourierGaits | None, here: NDArray[np.int64]) -> FourierGaits | None:
-    return None if gaits is None else FourierGaits(*(part[here] for part in gaits))
-
-
-def _chunk(
-    setting: Setting,
-    section: Section,
-    gaits: FourierGaits | None,
-    steps: int,
-    yaw: FourierGaits | None,
-    loads: bool,
-    stability: bool,
-) -> Orbits:
-    assert gaits is not None
-    n, d = len(gaits.offset), section.size
-    points = _features(gaits, yaw)
-    order = np.random.default_rng(0).permutation(n)
-    out = Orbits(
-        np.full((n, _RESULTS + len(LOADS) * loads), np.nan), np.full(n, np.nan),
-        np.full((n, d), np.nan), np.zeros(n, dtype=np.int64),
+    chart = Chart(
+        np.array(section.angles, dtype=np.int64), np.array(section.momenta, dtype=np.int64),
+        section.tilted, section.level,
     )  # fmt: skip
-    near: Array | None
-    inverse, good = np.zeros((n, d, d)), np.zeros(n, dtype=bool)
-    done, size = 0, min(n, max(_FIRST, int(n * _FIRST_PART)))
-    with np.errstate(all="ignore"):
-        while done < n:
-            here = np.sort(order[done : done + size])
-            solved = order[:done][good[order[:done]]]
-            some, own = _some(gaits, here), _some(yaw, here)
-            P = return_map(cycles_of(setting, some, steps, own), section)  # type: ignore[arg-type]
-            if solved.size > points.shape[1] + 1:
-                solved = solved[:: -(-solved.size // _KNOWN)]
-                values = np.concatenate((out.point[solved, None], inverse[solved]), axis=1)
-                foretold = _guess(points[solved], points[here], values)
-                start, near = foretold[:, 0], foretold[:, 1:]
-            else:
-                start, near = np.zeros((here.size, d)), None
-            roots = iterate(P, start, near, trusting=True)
-            found = _described(P, roots, some, loads, stability, out, here)
-            inverse[here], good[here] = found.inverse, found.found
-            done, size = done + len(here), (_STAGE - 1) * (done + len(here))
-        again = np.flatnonzero(~good)
-        if again.size:
-            some, own = _some(gaits, again), _some(yaw, again)
-            P = return_map(cycles_of(setting, some, steps, own), section)  # type: ignore[arg-type]
-            settled = carry(P.cycles, section.state(np.zeros((again.size, d)), P.scale), _SETTLING)
-            roots = iterate(P, section.point(settled, P.scale), limit=45)
-            roots = roots._replace(iterations=roots.iterations + _SETTLING)
-            spent = out.periods[again]
-            _described(P, roots, some, loads, stability, out, again)
-            out.periods[again] += spent
+    steps *= setting.fineness
+    moves = setting.axis != DECOUPLED
+    n = len(gaits.offset)
+    start = None
+    if near is not None and near.results[0, _STATUS] in (OK, LIFT_OFF):
+        start = np.repeat(near.point, n, axis=0), np.repeat(near.slope, n, axis=0)
+
+    def searched(some: FourierGaits, own: FourierGaits | None, again: bool) -> tuple[Found, Array]:
+        found = search(
+            setting, chart, some, steps, yaw=own, start=None if again else start,
+            settling=SETTLING * again, most=_MOST_AGAIN if again else _MOST, slopes=stability,
+            motion=moves,
+        )  # fmt: skip
+        largest = _largest(found) if stability else np.full(len(found.point), np.nan)
+        if stability:
+            weak = (found.results[:, _STATUS] != NO_ORBIT) & ~(largest <= _SLOWEST)
+            found.results[weak & np.isfinite(found.results[:, 0]), _STATUS] = UNSTABLE
+        if moves:
+            status = found.results[:, _STATUS]
+            turn = found.results[:, _YAW_RATE] * 2 * np.pi / some.angular_frequency
+            goes_on = np.isin(status, (OK, LIFT_OFF, UNSTABLE))
+            status[goes_on & turns_over(found.motion[:, :, :3], turn)] = TURNS_OVER
+        return found, largest
+
+    found, largest = searched(gaits, yaw, False)
+    again = np.flatnonzero(np.isin(found.results[:, _STATUS], (UNSTABLE, NO_ORBIT, NOT_FINITE)))
+    if again.size:
+        spent = found.periods[again]
+        more, size = searched(_some(gaits, again), None if yaw is None else _some(yaw, again), True)
+        more.periods[:] += spent
+        found.periods[again] = more.periods
+        # One that was found and does not hold says more than none.
+        better = found.results[again, _STATUS] != UNSTABLE
+        better |= np.isin(more.results[:, _STATUS], (OK, LIFT_OFF))
+        for whole, part in zip((*found, largest), (*more, size), strict=True):
+            if len(whole):
+                whole[again[better]] = part[better]
+    results = found.results
+    failed = np.flatnonzero(~np.isin(results[:, _STATUS], (OK, LIFT_OFF)))
+    kept = np.isin(np.arange(results.shape[1]), (_STATUS, _VARIATION))
+    results[np.ix_(failed, ~kept)] = np.nan
+    if loads:
+        results = np.column_stack((results, _loads(setting, gaits, found.motion, failed)))
+    return Orbits(results, largest, found.point, found.slope, found.periods, found.motion)
+
+
+def _some(gaits: FourierGaits, here: NDArray[np.int64]) -> FourierGaits:
+    return FourierGaits(*(part[here] for part in gaits))
+
+
+def _largest(found: Found) -> Array:
+    """Largest |multiplier| of each orbit (n,), NaN where there is none."""
+    out = np.full(len(found.point), np.nan)
+    usable = np.isfinite(found.results[:, 0]) & np.all(np.isfinite(found.slope), axis=(1, 2))
+    values = np.linalg.eigvals(found.slope[usable])
+    out[usable] = np.abs(values).max(axis=1, initial=0.0)
     return out
 
 
-def _features(gaits: FourierGaits, yaw: FourierGaits | None) -> Array:
-    """What tells the gaits apart, each column from 0 to 1 (n, m)."""
-    parts = [*gaits, *(yaw[1:3] if yaw is not None else ())]
-    flat = np.column_stack([part.reshape(len(part), -1) for part in parts])
-    span = np.ptp(flat, axis=0)
-    varying = span > 1e-12 * (1.0 + np.abs(flat).max(axis=0, initial=0.0))
-    return np.asarray((flat[:, varying] - flat[:, varying].min(axis=0)) / span[varying])
-
-
-def _guess(known: Array, wanted: Array, values: Array) -> Array:
-    """Values (k, ...) at known places (k, m), carried to wanted ones (n, ...) by radial functions.
-
-    A sum of |x - x_i|^3 and a plane through the known values.
-    """
-    from scipy.spatial.distance import cdist
-
-    k, m = known.shape
-    flat = values.reshape(k, -1)
-    corner = np.column_stack((np.ones(k), known))
-    system = np.zeros((k + m + 1, k + m + 1))
-    system[:k, :k] = cdist(known, known) ** 3
-    system[:k, k:], system[k:, :k] = corner, corner.T
-    # Places may lie in a plane, or coincide.
-    system[np.arange(k + m + 1), np.arange(k + m + 1)] += 1e-11
-    right = np.concatenate((flat, np.zeros((m + 1, flat.shape[1]))))
-    weights = np.linalg.solve(system, right)
-    found = cdist(wanted, known) ** 3 @ weights[:k]
-    found += np.column_stack((np.ones(len(wanted)), wanted)) @ weights[k:]
-    return np.asarray(found.reshape(len(wanted), *values.shape[1:]))
-
-
-def _described(
-    P: ReturnMap,
-    roots: Roots,
-    gaits: FourierGaits | None,
-    loads: bool,
-    stability: bool,
-    out: Orbits,
-    here: NDArray[np.int64],
-) -> _Solved:
-    """Write what gaits come to into out[here]."""
-    setting, x, d = P.cycles.setting, roots.point, P.section.size
-    sight = look(P.cycles, P.section.state(x, P.scale))
-    residual = _residual(P, sight.end, x)
-    unproven = (roots.residual <= TOLERANCE) & ~(residual <= TOLERANCE)
-    if unproven.any():
-        more = iterate(P, x, roots.inverse, wanted=unproven)
-        x = np.where(unproven[:, None], more.point, x)
-        roots = roots._replace(iterations=roots.iterations + more.iterations)
-        sight = look(P.cycles, P.section.state(x, P.scale))
-        residual = _residual(P, sight.end, x)
-    roots = Roots(x, residual, roots.inverse, roots.iterations + 1)
-    found = roots.found
-    m = measures(P.cycles, sight)
-    slope, inverse = np.zeros((len(x), d, d)), roots.inverse
-    largest = np.full(len(x), np.nan)
-    if stability:
-        slope = rough_derivative(P, x, P.section.point(sight.end, P.scale), found)
-        usable = found & np.all(np.isfinite(slope), axis=(1, 2))
-        largest[usable] = np.abs(np.linalg.eigvals(slope[usable])).max(axis=1, initial=0.0)
-        if d:
-            gap = slope[usable] - np.eye(d)
-            regular = np.abs(np.linalg.det(gap)) > 1e-9
-            inverse[np.flatnonzero(usable)[regular]] = np.linalg.inv(gap[regular])
-    status = np.full(len(x), OK)
-    rolls = setting.axis != DECOUPLED and setting.parameters[1] > 0.0
-    if rolls:
-        status[m.normal_force <= 0.0] = LIFT_OFF
-    if stability:
-        status[~(largest <= _SLOWEST)] = UNSTABLE
-    status[m.pitch > setting.limit] = VERTICAL
-    status[m.tumbles] = TURNS_OVER
-    status[~found] = np.where(np.isfinite(roots.residual[~found]), NO_ORBIT, NOT_FINITE)
-    columns = np.column_stack(
-        (m.speed, m.velocity, m.yaw_rate, m.amplitude, m.phase, m.mean, roots.residual,
-         m.normal_force, status)
-    )  # fmt: skip
-    if loads:
-        columns = np.column_stack((columns, _loads(setting, gaits, sight.motion)))
-    failed = np.flatnonzero(status != OK)
-    columns[np.ix_(failed, np.arange(columns.shape[1]) != _RESULTS - 1)] = np.nan
-    out.results[here], out.multiplier[here] = columns, largest
-    out.point[here], out.periods[here] = x, roots.iterations
-    return _Solved(x, slope, inverse, found & (status != UNSTABLE), roots.iterations)
-
-
-def _residual(P: ReturnMap, end: Array, x: Array) -> Array:
-    residual = np.abs(P.section.point(end, P.scale) - x).max(axis=1, initial=0.0)
-    return np.asarray(np.where(np.isfinite(residual), residual, np.inf))
-
-
-def _loads(setting: Setting, gaits: FourierGaits | None, motion: Array) -> Array:
-    if setting.axis == DECOUPLED or gaits is None:
-        return np.full((len(motion), len(LOADS)), np.nan)
+def _loads(
+    setting: Setting, gaits: FourierGaits, motion: Array, failed: NDArray[np.int64]
+) -> Array:
+    if setting.axis == DECOUPLED:
+        return np.full((len(gaits.offset), len(LOADS)), np.nan)
     chosen = [ALL_LOADS.index(name) for name in LOADS]
-    motion = np.ascontiguousarray(np.nan_to_num(motion))
     whole = FourierGaits(*(np.ascontiguousarray(part) for part in gaits))
-    return extremes(setting, whole, motion)[:, chosen]
+    out = extremes(setting, whole, np.ascontiguousarray(np.nan_to_num(motion)))[:, chosen]
+    out[failed] = np.nan
+    return np.asarray(out)

@@ -1,4 +1,4 @@
-"""Newton and Broyden steps on the return maps of many gaits at once.
+"""Newton and Broyden steps on a return map that was tabulated for a search.
 
 With P the map of a state to that one period later, an orbit is a root of F(x) = P(x) - x. Each
 lane keeps an approximate inverse H of dF/dx: the difference quotients of the flow over one period
@@ -17,17 +17,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
+from rrrobot.momentum.newton import FORWARD, GROWTH, HALVINGS, LARGEST_STEP, TOLERANCE
 from rrrobot.momentum.returns import Cycles, carry, replicated
 from rrrobot.orbits.section import Section, momentum_scale
 
-TOLERANCE = 1e-12
-"""Largest residual of an orbit in scaled units."""
-_FORWARD = 1e-7
 _CENTRAL = 2e-3
-_LARGEST_STEP = 0.7
-"""In scaled units: about 40 degrees."""
-_GROWTH = 3.0
-_HALVINGS = 6
 
 
 class ReturnMap(NamedTuple):
@@ -38,9 +32,9 @@ class ReturnMap(NamedTuple):
     scale: Array
     periods: int
 
-    def __call__(self, x: Array, wanted: NDArray[np.bool_] | None = None) -> Array:
-        """P(x) (n, size); for gaits that are not wanted it may be anything finite."""
-        y = carry(self.cycles, self.section.state(x, self.scale), self.periods, wanted)
+    def __call__(self, x: Array) -> Array:
+        """P(x) (n, size)."""
+        y = carry(self.cycles, self.section.state(x, self.scale), self.periods)
         return self.section.point(y, self.scale)
 
 
@@ -67,11 +61,9 @@ def return_map(cycles: Cycles, section: Section, periods: int = 1) -> ReturnMap:
     return ReturnMap(cycles, section, momentum_scale(cycles), periods)
 
 
-def rough_derivative(
-    P: ReturnMap, x: Array, image: Array, wanted: NDArray[np.bool_] | None = None
-) -> Array:
+def _rough_derivative(P: ReturnMap, x: Array, image: Array) -> Array:
     """dP/dx (n, size, size) by forward differences; to about 1e-7."""
-    return _differences(P, x, ((0, -1.0), (1, 1.0)), _FORWARD, wanted, image)
+    return _differences(P, x, ((0, -1.0), (1, 1.0)), FORWARD, image)
 
 
 def derivative(P: ReturnMap, x: Array) -> Array:
@@ -88,7 +80,6 @@ def _differences(
     x: Array,
     stencil: tuple[tuple[int, float], ...],
     step: float,
-    wanted: NDArray[np.bool_] | None = None,
     image: Array | None = None,
 ) -> Array:
     n, d = x.shape
@@ -100,7 +91,7 @@ def _differences(
         )
         images = many(moved[:, 0])[:, None] if len(moved) else moved
     else:
-        images = np.array([P(some, wanted) for some in moved])
+        images = np.array([P(some) for some in moved])
     out, place = np.zeros((n, d, d)), 0
     for j in range(d):
         for k, weight in stencil:
@@ -116,73 +107,47 @@ STENCIL = tuple((k, w / 60) for k, w in ((-3, -1), (-2, 9), (-1, -45), (1, 45), 
 """Points, in steps, and weights of the central difference of sixth order."""
 
 
-def iterate(
-    P: ReturnMap,
-    x: Array,
-    inverse: Array | None = None,
-    *,
-    wanted: NDArray[np.bool_] | None = None,
-    limit: int = 30,
-    trusting: bool = False,
-) -> Roots:
+def iterate(P: ReturnMap, x: Array, inverse: Array | None = None, *, limit: int = 30) -> Roots:
     """Roots of P(x) - x from starts x (n, size); see the module.
 
     Args:
         P: of n gaits.
         x: starts.
         inverse: of dF/dx (n, size, size); by differences at x if None.
-        wanted: which gaits (n,); all if None.
         limit: most steps.
-        trusting: leave the last step unproven where the steps before foretell that it ends below
-            the tolerance; the residual is then what is foretold, and the caller has to look.
     """
     n, d = x.shape
     x = x.copy()
-    todo = np.ones(n, dtype=bool) if wanted is None else wanted.copy()
-    count = np.zeros(n, dtype=np.int64)
-    F = np.zeros_like(x)
-    F[todo] = (P(x, todo) - x)[todo]
-    count[todo] += 1
+    F = P(x) - x
+    count = np.ones(n, dtype=np.int64)
     if inverse is None:
-        J = rough_derivative(P, x, F + x, todo)
-        H = _inverses(J - np.eye(d), todo)
-        count[todo] += d
+        H = _inverses(_rough_derivative(P, x, F + x) - np.eye(d))
+        count += d
     else:
         H = inverse.copy()
     size = _size(F)
     halved = np.zeros(n, dtype=np.int64)
     dx = _step(H, F)
-    todo &= np.isfinite(size)
+    todo = np.isfinite(size)
     for _ in range(limit):
         todo &= ~((size <= 0.03 * TOLERANCE) | ((size <= TOLERANCE) & (_size(dx) <= TOLERANCE)))
         if not todo.any():
             break
         trial = np.where(todo[:, None], x + dx, x)
-        new = P(trial, todo) - trial
+        new = P(trial) - trial
         count[todo] += 1
         new_size = _size(new)
-        worse = todo & ~(new_size <= _GROWTH * size + TOLERANCE) & (halved < _HALVINGS)
+        worse = todo & ~(new_size <= GROWTH * size + TOLERANCE) & (halved < HALVINGS)
         fine = todo & ~worse & np.isfinite(new_size)
         # Rounding: neither smaller nor larger means there is no more to gain.
         floor = fine & (new_size >= 0.5 * size) & (size <= TOLERANCE)
-        old_size = size.copy()
-        moved, dF = dx[fine], (new - F)[fine]
-        H[fine] = _updated(H[fine], moved, dF)
+        H[fine] = _updated(H[fine], dx[fine], (new - F)[fine])
         x[fine], F[fine], size[fine] = trial[fine], new[fine], new_size[fine]
-        if trusting:
-            foretold = new_size * (new_size / np.maximum(old_size, 1e-300)) ** 1.5
-            last = fine & (foretold <= 0.1 * TOLERANCE) & (size > 0.03 * TOLERANCE)
-            x[last] += _step(H[last], F[last])
-            size[last] = foretold[last]
-            todo &= ~last
         halved[fine] = 0
         halved[worse] += 1
         todo &= (fine | worse) & ~floor
         dx = np.where(worse[:, None], 0.5 * dx, _step(H, F))
-    size = np.where(np.isfinite(size), size, np.inf)
-    if wanted is not None:
-        size = np.where(wanted, size, np.inf)
-    return Roots(x, size, H, count)
+    return Roots(x, np.where(np.isfinite(size), size, np.inf), H, count)
 
 
 def _size(F: Array) -> Array:
@@ -192,13 +157,13 @@ def _size(F: Array) -> Array:
 def _step(H: Array, F: Array) -> Array:
     dx = -np.einsum("nij,nj->ni", H, F)
     long = _size(dx)
-    return np.asarray(dx * np.minimum(1.0, _LARGEST_STEP / np.maximum(long, 1e-300))[:, None])
+    return np.asarray(dx * np.minimum(1.0, LARGEST_STEP / np.maximum(long, 1e-300))[:, None])
 
 
-def _inverses(matrices: Array, wanted: NDArray[np.bool_]) -> Array:
+def _inverses(matrices: Array) -> Array:
     """Inverses, or zero where there is none; a step is then none, and the lane stays unfound."""
     out = np.zeros_like(matrices)
-    good = wanted & np.all(np.isfinite(matrices), axis=(1, 2))
+    good = np.all(np.isfinite(matrices), axis=(1, 2))
     with np.errstate(all="ignore"):
         try:
             out[good] = np.linalg.inv(matrices[good])

@@ -165,7 +165,8 @@ def yaw_rates(robot: Robot) -> Callable[[Array, Array], Array]:
         array([0.2159])
     """
     # Numba loads here, so that it costs nobody who does not use it.
-    from rrrobot.momentum.coefficients import N_COEFFICIENTS, fill, tree_of
+    from rrrobot.momentum.coefficients import N_COEFFICIENTS, fill
+    from rrrobot.momentum.tree import tree_of
 
     tree = tree_of(robot)
 

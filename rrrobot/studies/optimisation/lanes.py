@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from rrrobot.checks import Array
 from rrrobot.models.base import Model
 from rrrobot.momentum.batch import RESULT, FourierGaits, Setting, lower, settled
-from rrrobot.momentum.coefficients import Tree
 from rrrobot.momentum.extremes import LOADS, extremes
 from rrrobot.momentum.kernels import LIFT_OFF, OK
 from rrrobot.momentum.lowering import VERTICAL
+from rrrobot.momentum.tree import Tree
 from rrrobot.studies.optimisation.space import Population
 from rrrobot.studies.optimisation.table import COLUMNS
 

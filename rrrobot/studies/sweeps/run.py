@@ -111,8 +111,8 @@ def sweep(
             have come to; "orbit": find its limit cycle (see `limit_cycle`), which needs no cycles
             and leaves no transient. A gait whose orbit of one period does not hold has the status
             6, one without any 7. `variation` is then the orbit's residual, and `yaw_mean` that of
-            a cycle that starts with yaw 0. Orbits start from their neighbours', so that the last
-            bits of a result (1e-11) depend on the gaits beside it.
+            a cycle that starts with yaw 0. Of several cycles it is the one that Newton's method
+            finds from rest, not always that which an upright start comes to.
         progress: a bar on stderr with rate and time left (True), none (False), one if stderr is a
             terminal (None), or a function called with (gaits done, gaits in all).
 

@@ -110,7 +110,7 @@ def clearance(robot: Robot, gaits: Gaits) -> Array:
     The body is upright. On RRRobot these are the leg tips, at r + l sin(phi). NaN where a leg hangs
     on another leg, or a joint slides.
     """
-    from rrrobot.momentum.coefficients import tree_of
+    from rrrobot.momentum.tree import tree_of
 
     tree, lowest = tree_of(robot), np.full(len(gaits.offset), np.inf)
     if not isinstance(robot.shell, Sphere) or tree.parent[1:].any() or tree.prismatic.any():
