@@ -13,4 +13,8 @@ from rrrobot.studies.optimisation.pareto import pareto_front as pareto_front
 from rrrobot.studies.optimisation.result import OptimisedGait as OptimisedGait
 from rrrobot.studies.optimisation.run import optimise as optimise
 from rrrobot.studies.optimisation.table import GaitLimits as GaitLimits
+from rrrobot.studies.robots import BestRobot as BestRobot
+from rrrobot.studies.robots import best_robot as best_robot
+from rrrobot.studies.robots import robots_of as robots_of
+from rrrobot.studies.robots import sweep_robots as sweep_robots
 from rrrobot.studies.sweeps.run import sweep as sweep
