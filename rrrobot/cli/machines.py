@@ -14,6 +14,7 @@ from rrrobot.machines.catalog import MACHINES, by_name
 from rrrobot.machines.history import History
 from rrrobot.machines.machine import Machine
 from rrrobot.machines.reduced import Reduction
+from rrrobot.view.films import record
 
 
 @click.command("machines")
@@ -25,6 +26,7 @@ from rrrobot.machines.reduced import Reduction
 @click.option(
     "--set", "settings", multiple=True, metavar="KEY=VALUE", help="A parameter, as m=5.0; repeat."
 )
+@click.option("--film", metavar="FILE", help="Write a film: .html, .mp4, .gif or .png.")
 @click.option("--urdf", is_flag=True, help="Print the machine's URDF and do nothing else.")
 @click.option("--json", "as_json", is_flag=True, help="As JSON.")
 def machines(
@@ -32,6 +34,7 @@ def machines(
     gait: str | None,
     duration: float | None,
     settings: tuple[str, ...],
+    film: str | None,
     urdf: bool,
     as_json: bool,
 ) -> None:
@@ -41,6 +44,7 @@ def machines(
     Examples:
       rrrobot machines
       rrrobot machines snakeboard --gait drive
+      rrrobot machines falling_cat --film cat.html
       rrrobot machines rolling_disc --set rho=0.02 --duration 3 --json
     """
     if name is None:
@@ -58,6 +62,8 @@ def machines(
     if duration is None:
         duration = (drive.period if drive is not None else None) or 5.0
     history = machine.simulate(drive, duration)
+    if film is not None:
+        record(history, film, axes=False)
     data = {"title": machine.title, "gait": chosen, **history.to_dict()}
     tell(data, _table(machine, chosen, history), (), as_json=as_json)
 

@@ -9,6 +9,7 @@ from rrrobot.checks import vector
 from rrrobot.constraints import RollingContact
 from rrrobot.contact.surfaces import Sphere
 from rrrobot.drive.gaits import CallableGait, SinusoidalGait
+from rrrobot.machines.looks import BLUE, DARK, ball, box, rod, rotor
 from rrrobot.machines.machine import Machine
 from rrrobot.machines.mechanism import Mechanism
 from rrrobot.machines.tree import Joint, Link, Tree
@@ -40,11 +41,14 @@ def pendulum_ball(
         >>> a.multipliers["contact"].shape
         (3,)
     """
-    pendulum = Link("pendulum", mp, vector("Ip", Ip, 3, "kg m^2"), (0.0, 0.0, -lp))
+    bob = (rod("z", 0.05 * r, lp, (0, 0, -lp / 2)), ball(0.25 * r, (0, 0, -lp)))
+    pendulum = Link("pendulum", mp, vector("Ip", Ip, 3, "kg m^2"), (0.0, 0.0, -lp), bob)
+    bar = (rod("y", 0.04 * r, 1.9 * r, colour=BLUE),)
+    yoke = Link("yoke", my, vector("Iy", Iy, 3, "kg m^2"), looks=bar)
     tree = Tree(
         Link("shell", ms, Is),
         [
-            Joint("drive", "shell", Link("yoke", my, vector("Iy", Iy, 3, "kg m^2")), axis="y"),
+            Joint("drive", "shell", yoke, axis="y"),
             Joint("tilt", "yoke", pendulum, axis="x"),
         ],
     )
@@ -94,7 +98,12 @@ def rotor_ball(
     tree = Tree(
         Link("shell", m, np.full(3, I - Jr)),
         [
-            Joint(f"rotor_{k}", "shell", Link(f"wheel_{k}", 0.0, np.eye(3)[i] * Jr), axis=k)  # type: ignore[arg-type]
+            Joint(
+                f"rotor_{k}",
+                "shell",
+                Link(f"wheel_{k}", 0.0, np.eye(3)[i] * Jr, looks=rotor(k, (0.4 + 0.15 * i) * r)),
+                axis=k,  # type: ignore[arg-type]
+            )
             for i, k in enumerate("xyz")
         ],
     )
@@ -145,7 +154,10 @@ def sphericle(
         >>> ball.simulate(ball.gaits["weave"], 3.0).pose[-1, :2].round(6).tolist()
         [0.45183, 0.236]
     """
-    vehicle = Link("unicycle", mv, vector("Iv", Iv, 3, "kg m^2"), (0.0, 0.0, -d))
+    wheel = 0.5 * (rho - d)
+    wheels = (rod("y", wheel, 0.02, (0, y, wheel - 0.97 * rho), DARK) for y in (-0.05, 0.05))
+    car = (box((0.7 * d, 0.07, 0.2 * d), (0, 0, -d)), *wheels)
+    vehicle = Link("unicycle", mv, vector("Iv", Iv, 3, "kg m^2"), (0.0, 0.0, -d), car)
     tree = Tree(Link("shell", ms, Is), [Joint("vehicle", "shell", vehicle, kind="ball")])
     model = tree.model()
     shell, inner = (model.getFrameId(name) for name in ("shell", "unicycle"))

@@ -10,6 +10,7 @@ from rrrobot.constraints import RollingContact
 from rrrobot.contact.surfaces import Sphere
 from rrrobot.drive.damping import EulerRateDamping
 from rrrobot.drive.gaits import gait
+from rrrobot.machines.looks import BLUE, DARK, ORANGE, Look, ball, box, rod
 from rrrobot.machines.machine import Machine
 from rrrobot.machines.mechanism import Mechanism
 from rrrobot.machines.tree import Joint, Link, Tree
@@ -72,16 +73,27 @@ def _tree(p: RRRobotParameters) -> Tree:
     parts = [(p.battery_mass, (0.0, 0.0, -p.shell_radius))]
     hips = (-p.hip_offset, p.hip_offset)
     parts += [(m, (0.0, y, 0.0)) for m, y in zip(p.servo_masses, hips, strict=True)]
+    looks = [
+        (rod("x", 0.008, length, (length / 2, 0, 0), c), ball(0.018, (length, 0, 0), c))
+        for length, c in zip(p.leg_lengths, (ORANGE, BLUE), strict=True)
+    ]
     legs = [
         Joint(
-            f"leg_{i + 1}", "shell", Link(f"tip_{i + 1}", m, 0.0, (length, 0, 0)), (0, y, 0), "-y"
+            f"leg_{i + 1}",
+            "shell",
+            Link(f"tip_{i + 1}", m, 0.0, (length, 0, 0), looks[i]),
+            (0, y, 0),
+            "-y",
         )
         for i, (m, length, y) in enumerate(zip(p.leg_masses, p.leg_lengths, hips, strict=True))
     ]
-    return Tree(_of_points("shell", parts), legs)
+    battery = box((0.08, 0.05, 0.03), (0, 0, -0.85 * p.shell_radius), DARK)
+    return Tree(_of_points("shell", parts, battery), legs, skin=Sphere(p.shell_radius))
 
 
-def _of_points(name: str, parts: list[tuple[float, tuple[float, float, float]]]) -> Link:
+def _of_points(
+    name: str, parts: list[tuple[float, tuple[float, float, float]]], look: Look
+) -> Link:
     """A link of point masses."""
     masses = np.array([m for m, _ in parts])
     places = np.array([x for _, x in parts])
@@ -90,4 +102,4 @@ def _of_points(name: str, parts: list[tuple[float, tuple[float, float, float]]])
     inertia = sum(
         m * (x @ x * np.eye(3) - np.outer(x, x)) for m, x in zip(masses, apart, strict=True)
     )
-    return Link(name, float(masses.sum()), inertia, centre)
+    return Link(name, float(masses.sum()), inertia, centre, (look,))

@@ -6,6 +6,7 @@ import numpy as np
 
 from rrrobot.constraints import Constraint
 from rrrobot.drive.gaits import SinusoidalGait
+from rrrobot.machines.looks import BLUE, Look, axle, ball, box, rod
 from rrrobot.machines.machine import Machine
 from rrrobot.machines.mechanism import Mechanism
 from rrrobot.machines.tree import Joint, Link, Tree, flat
@@ -46,7 +47,10 @@ def roller_racer(
         >>> racer.evaluate(shape=(0.6,), joint_torques=(0.05,)).shape_accelerations.round(4)
         array([4.5489])
     """
-    joints = [Joint("steering", "body", Link("fork", m2, flat(I2), (c2, 0, 0)), (d1, 0, 0))]
+    radius = wheel_radius or 0.15 * d1
+    looks = _looks(d1, d2, half_track, radius)
+    fork = Link("fork", m2, flat(I2), (c2, 0, 0), looks[1])
+    joints = [Joint("steering", "body", fork, (d1, 0, 0))]
     frames = [("rear_axle", "body", (0.0, 0.0, 0.0)), ("front_axle", "fork", (d2, 0.0, 0.0))]
     wheels: list[tuple[str, str, str]] = []
     if wheel_radius is not None:
@@ -58,7 +62,8 @@ def roller_racer(
                 joints.append(Joint(name, link, wheel, at, "y"))
                 frames.append((f"{name}_hub", link, at))
                 wheels.append((f"{end} {side} roll", f"{name}_hub", f"{name}_wheel"))
-    tree = Tree(Link("body", m1, flat(I1), (c1, 0, 0)), joints, root="planar", frames=frames)
+    body = Link("body", m1, flat(I1), (c1, 0, 0), looks[0])
+    tree = Tree(body, joints, root="planar", frames=frames, height=radius)
     model = tree.model()
     rows: list[Constraint] = [
         NoSideSlip(model, model.getFrameId(f"{end}_axle"), name=end) for end in ("rear", "front")
@@ -107,13 +112,16 @@ def trikke(
         >>> rr.machines.trikke().model.motors
         ('steering', 'rider')
     """
+    looks = _looks(d1, d2, 0.15 * d1, 0.1 * d1)
+    rider = (box((lr, 0.03, 0.02), (lr / 2, 0, 0.15 * d1), BLUE), ball(0.06, (lr, 0, 0.15 * d1)))
     tree = Tree(
-        Link("body", m1, flat(I1), (c1, 0, 0)),
+        Link("body", m1, flat(I1), (c1, 0, 0), looks[0]),
         [
-            Joint("steering", "body", Link("fork", m2, flat(I2), (c2, 0, 0)), (d1, 0, 0)),
-            Joint("rider", "body", Link("arm", mr, flat(Ir), (lr, 0, 0)), (b, 0, 0)),
+            Joint("steering", "body", Link("fork", m2, flat(I2), (c2, 0, 0), looks[1]), (d1, 0, 0)),
+            Joint("rider", "body", Link("arm", mr, flat(Ir), (lr, 0, 0), rider), (b, 0, 0)),
         ],
         root="planar",
+        height=0.1 * d1,
         frames=[("rear_axle", "body", (0.0, 0, 0)), ("front_axle", "fork", (d2, 0, 0))],
     )
     model = tree.model()
@@ -131,3 +139,12 @@ def trikke(
         gaits={"ride": swing},
         shape=(0.2, 0.0),
     )
+
+
+def _looks(d1: float, d2: float, track: float, radius: float) -> tuple[tuple[Look, ...], ...]:
+    """Of the body and of the fork, an axle each."""
+    up = 0.5 * radius
+    body = box((d1, 0.1 * d1, up), (d1 / 2, 0.0, up))
+    long = abs(d2) + 0.3 * d1
+    bar = (box((long, 0.08 * d1, up), (d2 / 2, 0, 2 * up), BLUE), rod("z", 0.05 * d1, 4 * up))
+    return (body, *axle(0.0, track, radius)), (*bar, *axle(d2, track, radius))

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rrrobot.drive.gaits import CallableGait, SinusoidalGait
+from rrrobot.machines.looks import BLUE, ORANGE, SAND, Look, ball, box, rod
 from rrrobot.machines.machine import Machine
 from rrrobot.machines.mechanism import Mechanism
 from rrrobot.machines.tree import Joint, Link, Tree, flat
@@ -41,13 +42,19 @@ def satellite(
         >>> round(t.pose[-1, 2], 8)
         np.float64(-0.01660495)
     """
+    w = 0.2 * h
+    arms = [
+        (box((2 * abs(x), w, w), (x, 0, 0), colour), ball(w, (2 * x, 0, 0), colour))
+        for x, colour in ((-l1, BLUE), (l2, ORANGE))
+    ]
     tree = Tree(
-        Link("base", m0, flat(I0)),
+        Link("base", m0, flat(I0), looks=(box((2 * h, h, 0.5 * h)),)),
         [
-            Joint("arm_1", "base", Link("link_1", m1, flat(I1), (-l1, 0, 0)), (-h, 0, 0)),
-            Joint("arm_2", "base", Link("link_2", m2, flat(I2), (l2, 0, 0)), (h, 0, 0)),
+            Joint("arm_1", "base", Link("link_1", m1, flat(I1), (-l1, 0, 0), arms[0]), (-h, 0, 0)),
+            Joint("arm_2", "base", Link("link_2", m2, flat(I2), (l2, 0, 0), arms[1]), (h, 0, 0)),
         ],
         root="planar",
+        height=h,
     )
     swing = SinusoidalGait(
         offset=(0.8, -0.6), amplitude=(0.5, 0.7), angular_frequency=1.0, phase=(pi / 2, 0.0)
@@ -84,12 +91,13 @@ def falling_cat(
         3
     """
     half = (A, B, B)
+    rear = Link("rear", m, half, (d, 0.0, 0.0), _half_a_cat(d, ORANGE))
     tree = Tree(
-        Link("front", m, half, (-d, 0.0, 0.0)),
+        Link("front", m, half, (-d, 0.0, 0.0), _half_a_cat(-d, SAND)),
         [
             Joint("turn", "front", Link("spine_1"), axis="x"),
             Joint("bend", "spine_1", Link("spine_2"), axis="y"),
-            Joint("turn_back", "spine_2", Link("rear", m, half, (d, 0.0, 0.0)), axis="x"),
+            Joint("turn_back", "spine_2", rear, axis="x"),
         ],
     )
 
@@ -117,3 +125,17 @@ def falling_cat(
         gaits={"roll": CallableGait(roll, n_legs=3, name="roll", check_span=(0.0, 3.0))},
         shape=(0.0, 0.0, 0.0),
     )
+
+
+def _half_a_cat(d: float, colour: tuple[float, float, float]) -> tuple[Look, ...]:
+    """A trunk along x, two feet below, and a head (d < 0) or a tail."""
+    size = abs(d)
+    trunk = rod("x", 0.3 * size, 1.7 * size, (d, 0, 0), colour)
+    feet = (
+        rod("z", 0.07 * size, 0.6 * size, (1.5 * d, y, -0.45 * size), colour)
+        for y in (-0.2 * size, 0.2 * size)
+    )
+    end = ball(0.3 * size, (2.1 * d, 0, 0.25 * size), colour)
+    if d > 0:
+        end = rod("x", 0.05 * size, 0.8 * size, (2.2 * d, 0, 0.1 * size), colour)
+    return (trunk, *feet, end)

@@ -11,6 +11,7 @@ from rrrobot.contact.discs import Torus
 from rrrobot.contact.ground import Plane
 from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
 from rrrobot.drive.damping import BodyRateDamping
+from rrrobot.machines.looks import BLUE, ORANGE, box, rod
 from rrrobot.machines.machine import Machine
 from rrrobot.machines.mechanism import Mechanism
 from rrrobot.machines.tree import Link, Tree
@@ -70,7 +71,9 @@ def rolling_disc(
         >>> t.pose[-1, :2].round(9).tolist()
         [1.2, 0.0]
     """
-    link = Link("wheel", m, (A, C, A))
+    thick = max(2 * rho, 0.05 * r)
+    stripe = box((1.8 * (r + rho), 1.1 * thick, 0.15 * r), colour=ORANGE)
+    link = Link("wheel", m, (A, C, A), looks=(rod("y", r + rho, thick, colour=BLUE), stripe))
     name = "rolling torus" if rho else "rolling disc"
     title = f"{name}: a wheel by itself, on its edge"
     return roller(

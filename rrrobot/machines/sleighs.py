@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from rrrobot.drive.gaits import SinusoidalGait
+from rrrobot.machines.looks import DARK, ball, box, rotor
 from rrrobot.machines.machine import Machine
 from rrrobot.machines.mechanism import Mechanism
 from rrrobot.machines.tree import Joint, Link, Tree, flat
@@ -34,8 +35,12 @@ def chaplygin_sleigh(
         >>> round(a.multipliers["blade"], 10)
         0.2181818182
     """
-    rotor = [Joint("rotor", "body", Link("wheel", 0.0, flat(Jr)), (a, 0, 0))] if Jr else []
-    tree = Tree(Link("body", m, flat(I), (a, 0, 0)), rotor, root="planar")
+    wheel = Link("wheel", 0.0, flat(Jr), looks=rotor("z", 0.4 * a, (0, 0, 0.3 * a)))
+    joints = [Joint("rotor", "body", wheel, (a, 0, 0))] if Jr else []
+    skids = (ball(0.1 * a, (1.4 * a, y, 0), DARK) for y in (-0.4 * a, 0.4 * a))
+    blade_look = box((0.6 * a, 0.03 * a, 0.2 * a), colour=DARK)
+    looks = (box((1.8 * a, a, 0.15 * a), (0.7 * a, 0, 0.15 * a)), blade_look, *skids)
+    tree = Tree(Link("body", m, flat(I), (a, 0, 0), looks), joints, root="planar", height=0.1 * a)
     model = tree.model()
     blade = NoSideSlip(model, model.getFrameId("body"), name="blade")
     spin = SinusoidalGait(offset=(0.0,), amplitude=(1.5,), angular_frequency=3.0, phase=(0.0,))

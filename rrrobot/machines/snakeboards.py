@@ -6,6 +6,7 @@ import numpy as np
 
 from rrrobot.drive.gaits import SinusoidalGait
 from rrrobot.errors import ParameterError
+from rrrobot.machines.looks import ORANGE, axle, box, rod
 from rrrobot.machines.machine import Machine
 from rrrobot.machines.mechanism import Mechanism
 from rrrobot.machines.tree import Joint, Link, Tree, flat
@@ -48,14 +49,21 @@ def snakeboard(
             f"those of its rotor and trucks, {m_rotor + 2 * m_truck} kg and "
             f"{2 * m_truck * l**2:.4g} kg m^2."
         )
+    deck = (box((2.4 * l, 0.5 * l, 0.06 * l), (0, 0, 0.25 * l)),)
+    weight = box((1.4 * l, 0.2 * l, 0.15 * l), (0, 0, 0.6 * l), ORANGE)
+    bar = (rod("z", 0.04 * l, 0.3 * l, (0, 0, 0.4 * l)), weight)
+    truck = axle(0.0, 0.4 * l, 0.15 * l)
+    front = Link("front_link", m_truck, flat(Jw), looks=truck)
+    back = Link("back_link", m_truck, flat(Jw), looks=truck)
     tree = Tree(
-        Link("board", rest, flat(J - 2 * m_truck * l**2)),
+        Link("board", rest, flat(J - 2 * m_truck * l**2), looks=deck),
         [
-            Joint("rotor", "board", Link("rotor_link", m_rotor, flat(Jr))),
-            Joint("front_truck", "board", Link("front_link", m_truck, flat(Jw)), (l, 0, 0)),
-            Joint("back_truck", "board", Link("back_link", m_truck, flat(Jw)), (-l, 0, 0)),
+            Joint("rotor", "board", Link("rotor_link", m_rotor, flat(Jr), looks=bar)),
+            Joint("front_truck", "board", front, (l, 0, 0)),
+            Joint("back_truck", "board", back, (-l, 0, 0)),
         ],
         root="planar",
+        height=0.15 * l,
     )
     model = tree.model()
     edges = [

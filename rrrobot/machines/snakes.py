@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import pi
 
 from rrrobot.drive.gaits import SinusoidalGait
+from rrrobot.machines.looks import BLUE, SAND, axle, box
 from rrrobot.machines.machine import Machine
 from rrrobot.machines.mechanism import Mechanism
 from rrrobot.machines.tree import Joint, Link, Tree, flat
@@ -28,13 +29,20 @@ def kinematic_snake(*, L: float = 0.15, m: float = 0.5, I: float = 0.00375) -> M
         >>> snake.simulate(snake.gaits["circle"], 6.283185307179586).pose[-1, :2].round(4).tolist()
         [-0.0806, -0.0606]
     """
+    looks = [
+        (box((1.8 * L, 0.25 * L, 0.2 * L), (x, 0, 0.2 * L), colour), *axle(x, 0.35 * L, 0.2 * L))
+        for x, colour in ((-L, BLUE), (0.0, SAND), (L, BLUE))
+    ]
+    rear = Link("rear_link", m, flat(I), (-L, 0, 0), looks[0])
+    front = Link("front_link", m, flat(I), (L, 0, 0), looks[2])
     tree = Tree(
-        Link("middle_link", m, flat(I)),
+        Link("middle_link", m, flat(I), looks=looks[1]),
         [
-            Joint("rear", "middle_link", Link("rear_link", m, flat(I), (-L, 0, 0)), (-L, 0, 0)),
-            Joint("front", "middle_link", Link("front_link", m, flat(I), (L, 0, 0)), (L, 0, 0)),
+            Joint("rear", "middle_link", rear, (-L, 0, 0)),
+            Joint("front", "middle_link", front, (L, 0, 0)),
         ],
         root="planar",
+        height=0.2 * L,
         frames=[
             ("rear_axle", "rear_link", (-L, 0, 0)),
             ("middle_axle", "middle_link", (0.0, 0, 0)),

@@ -8,9 +8,11 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import vector
+from rrrobot.contact.surfaces import Ellipsoid
 from rrrobot.drive.gaits import SinusoidalGait
 from rrrobot.errors import ParameterError
 from rrrobot.machines.fluid import Fluid
+from rrrobot.machines.looks import ball, rotor
 from rrrobot.machines.machine import Machine
 from rrrobot.machines.mechanism import Mechanism
 from rrrobot.machines.tree import Joint, Link, Tree
@@ -53,7 +55,8 @@ def submarine(
         slides = []
         for i, k in enumerate("xyz"):
             parent = "hull" if i == 0 else f"slide_{'xyz'[i - 1]}"
-            part = Link(f"slide_{k}", mp if k == "z" else 0.0)
+            seen = (ball(0.3 * float(axes.min())),) if k == "z" else ()
+            part = Link(f"slide_{k}", mp if k == "z" else 0.0, looks=seen)
             slides.append(Joint(f"move_{k}", parent, part, axis=k, kind="slide"))  # type: ignore[arg-type]
         joints, motors = slides, ("move_x", "move_y", "move_z")
         if gravity and h:
@@ -70,7 +73,17 @@ def submarine(
     else:
         about = about - np.diag(spins)
         joints = [
-            Joint(f"rotor_{k}", "hull", Link(f"wheel_{k}", 0.0, np.eye(3)[i] * spins), axis=k)  # type: ignore[arg-type]
+            Joint(
+                f"rotor_{k}",
+                "hull",
+                Link(
+                    f"wheel_{k}",
+                    0.0,
+                    np.eye(3)[i] * spins,
+                    looks=rotor(k, (0.3 + 0.15 * i) * float(axes.min())),
+                ),
+                axis=k,  # type: ignore[arg-type]
+            )
             for i, k in enumerate("xyz")
         ]
         motors = ("rotor_x", "rotor_y", "rotor_z")
@@ -83,7 +96,7 @@ def submarine(
             )
         }
         shape = (0.0, 0.0, 0.0)
-    tree = Tree(Link("hull", m, about, (0.0, 0.0, -h)), joints)
+    tree = Tree(Link("hull", m, about, (0.0, 0.0, -h)), joints, skin=Ellipsoid(tuple(axes)))
     acts = 0.0 if mp else gravity
     fluid = Fluid.of_ellipsoid(axes, density=density, buoyancy=m * acts)
     return Machine(

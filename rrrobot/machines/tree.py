@@ -12,7 +12,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite, vector
+from rrrobot.contact.surfaces import Surface
 from rrrobot.errors import ModelError, ParameterError
+from rrrobot.machines.looks import Look
 
 Root = Literal["planar", "free"]
 ROOT = "root_joint"
@@ -27,12 +29,13 @@ def flat(about_z: float) -> Array:
 @dataclass(frozen=True, eq=False)
 class Link:
     """A rigid body: mass [kg], its centre in the link's frame (3,) [m], and the inertia about that
-    centre (3, 3), its diagonal (3,) or one number for all axes [kg m^2]."""
+    centre (3, 3), its diagonal (3,) or one number for all axes [kg m^2]; and how it looks."""
 
     name: str
     mass: float = 0.0
     inertia: ArrayLike = 0.0
     centre: ArrayLike = (0.0, 0.0, 0.0)
+    looks: tuple[Look, ...] = ()
 
     def __post_init__(self) -> None:
         finite(f"mass of {self.name}", self.mass, "kg", at_least=0)
@@ -93,6 +96,8 @@ class Tree:
         joints: each after its parent; the order is that of the coordinates.
         root: "planar" or "free".
         frames: (name, link, position) of points that constraints need.
+        height: of a planar base's origin over the ground, where it is drawn [m].
+        skin: a surface about the base's origin that is drawn where no contact has one.
 
     Example:
         >>> from rrrobot.machines.tree import Joint, Link, Tree, flat
@@ -109,7 +114,10 @@ class Tree:
         *,
         root: Root = "free",
         frames: Sequence[tuple[str, str, ArrayLike]] = (),
+        height: float = 0.0,
+        skin: Surface | None = None,
     ) -> None:
+        self.height, self.skin = height, skin
         self.base, self.joints, self.root, self.frames = base, tuple(joints), root, tuple(frames)
 
     def model(self, gravity: float = 9.81) -> pin.Model:
@@ -132,8 +140,12 @@ class Tree:
             model.addFrame(pin.Frame(name, ids[link], place, pin.FrameType.OP_FRAME))
         return model
 
-    def urdf(self, name: str) -> str:
+    def urdf(self, name: str, *, balls: str | None = None) -> str:
         """The same as URDF text, without the root joint, which a reader gives.
+
+        Args:
+            name: of the robot.
+            balls: joint type to write for spherical joints, for a reader that only draws.
 
         Raises:
             ModelError: there is a spherical joint, which URDF does not know.
@@ -145,15 +157,16 @@ class Tree:
             _link(robot, Link(name_))
             _joint(robot, f"{name_}_mount", "fixed", link_, name_, point, None)
         for joint in self.joints:
-            if joint.kind == "ball":
+            if joint.kind == "ball" and balls is None:
                 raise ModelError(
                     f"joint {joint.name!r} is spherical, and URDF has no such joint: use the "
                     "machine's model, which is built in code."
                 )
             # A slide's travel is not bounded here: URDF wants limits all the same.
-            kind = "continuous" if joint.kind == "turn" else "prismatic"
+            kinds = {"turn": "continuous", "slide": "prismatic", "ball": str(balls)}
+            kind, axis = kinds[joint.kind], None if joint.kind == "ball" else joint.direction
             element = _joint(
-                robot, joint.name, kind, joint.parent, joint.child.name, joint.at, joint.direction
+                robot, joint.name, kind, joint.parent, joint.child.name, joint.at, axis
             )
             if kind == "prismatic":
                 ET.SubElement(
@@ -166,6 +179,8 @@ class Tree:
 def _link(robot: ET.Element, link: Link) -> None:
     element = ET.SubElement(robot, "link", name=link.name)
     about = link.about_centre
+    for look in link.looks:
+        look.write(element)
     if link.mass == 0 and not about.any():
         return
     inertial = ET.SubElement(element, "inertial")

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from rrrobot.checks import Array, finite
 from rrrobot.errors import ParameterError
 from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.view.player import Play
 
 _MAX_FRAMES = 200_000
 
@@ -31,7 +32,7 @@ class Film(NamedTuple):
     reached: NDArray[np.int64]
 
 
-def make_film(trajectory: Trajectory, *, fps: float, speed: float, detail: float) -> Film:
+def make_film(trajectory: Trajectory | Play, *, fps: float, speed: float, detail: float) -> Film:
     """Frames from the trajectory's start to its end.
 
     Configurations between samples are interpolated along the shortest motion.

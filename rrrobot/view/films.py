@@ -12,9 +12,11 @@ from rrrobot.checks import vector
 from rrrobot.errors import OutputError, ParameterError
 from rrrobot.files import check_writable, write_whole
 from rrrobot.integrate import Progress
+from rrrobot.machines.history import History
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.view.film import make_film
 from rrrobot.view.frames import animation, checked_size, film_times, frames, strip, video
+from rrrobot.view.player import Play, play_of
 from rrrobot.view.scene import Scene
 from rrrobot.view.server import film_page
 
@@ -25,7 +27,7 @@ FILMS = (".htm", ".html", ".mp4", ".gif", ".png")
 
 
 def record(
-    trajectory: Trajectory,
+    trajectory: Trajectory | History,
     path: str | Path,
     *,
     fps: float = 30.0,
@@ -47,7 +49,7 @@ def record(
     Chrome, which must be installed; .mp4 needs the extra `media`. The grid gives the scale.
 
     Args:
-        trajectory: what to show.
+        trajectory: what to show; or a machine's history.
         path: of the file, ending in .html, .mp4, .gif or .png.
         fps: frames per second of the film [1/s]; the page interpolates between them.
         speed: simulated seconds per second of the film.
@@ -107,7 +109,7 @@ def record(
     return write_whole(target, content)
 
 
-def _instants(trajectory: Trajectory, at: ArrayLike | None) -> list[float]:
+def _instants(trajectory: Trajectory | History, at: ArrayLike | None) -> list[float]:
     """Times of a picture, within the trajectory [s]."""
     first, last = float(trajectory.time[0]), float(trajectory.time[-1])
     if at is None:
@@ -121,7 +123,7 @@ def _instants(trajectory: Trajectory, at: ArrayLike | None) -> list[float]:
 
 
 def film_html(
-    trajectory: Trajectory,
+    trajectory: Trajectory | History,
     *,
     fps: float = 30.0,
     speed: float = 1.0,
@@ -133,8 +135,9 @@ def film_html(
 ) -> bytes:
     """The page that `record` writes, with the same options."""
     _check_trace(trace)
-    scene = Scene(trajectory.robot, trajectory.ground)
-    film = make_film(trajectory, fps=fps, speed=speed, detail=scene.detail)
+    played = play_of(trajectory) if isinstance(trajectory, History) else trajectory
+    scene = Scene(played.robot, played.ground)
+    film = make_film(played, fps=fps, speed=speed, detail=scene.detail)
     poses = [scene.pose(q) for q in film.configuration]
     scene.hold(poses)
     centers = np.array([pose.center for pose in poses])
@@ -152,7 +155,7 @@ def film_html(
     if len(poses) > 1:
         grown = film.reached - 1 if ribbon and trace is True else None
         commands.append(scene.animation(poses, film.fps, follow=follow, grown=grown))
-    words = _caption(trajectory, scene, speed) if caption is True else caption or ""
+    words = _caption(played, scene, speed) if caption is True else caption or ""
     return film_page(words, commands)
 
 
@@ -161,7 +164,7 @@ def _check_trace(trace: Trace) -> None:
         raise ParameterError(f"trace is {trace!r}: it must be True, False or 'whole'.")
 
 
-def _caption(trajectory: Trajectory, scene: Scene, speed: float) -> str:
+def _caption(trajectory: Trajectory | Play, scene: Scene, speed: float) -> str:
     duration = trajectory.time[-1] - trajectory.time[0]
     parts = [
         f"{trajectory.robot.name}, {trajectory.model_name} model, {duration:g} s",

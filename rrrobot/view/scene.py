@@ -40,6 +40,7 @@ from rrrobot.view.commands import (
     sun,
     track,
 )
+from rrrobot.view.player import Figure
 from rrrobot.view.shapes import Visual, robot_visuals
 from rrrobot.view.terrain import lay, surface
 
@@ -104,7 +105,7 @@ class Scene:
         0.1
     """
 
-    def __init__(self, robot: Robot, ground: Ground | None = None) -> None:
+    def __init__(self, robot: Robot | Figure, ground: Ground | None = None) -> None:
         self.robot = robot
         self.ground: Ground = Plane() if ground is None else ground
         self._flat = isinstance(self.ground, Plane)
@@ -319,7 +320,7 @@ def _reach(visual: Visual, pose: Pose) -> float:
     return float(np.linalg.norm(at - pose.center)) + visual.reach
 
 
-def _shell_size(robot: Robot) -> float:
+def _shell_size(robot: Robot | Figure) -> float:
     """The shell's largest half-width along its axes [m]."""
     return max(robot.shell.support(u) for u in np.vstack((np.eye(3), -np.eye(3))))
 

@@ -22,6 +22,7 @@ from rrrobot.robot.meshes import MeshError, find_mesh, numbers, origin_of, read_
 from rrrobot.robot.reader import parse_urdf
 from rrrobot.robot.robot import Robot
 from rrrobot.view.commands import Colour, Geometry, mesh
+from rrrobot.view.player import Figure
 
 BAND_COLOURS: tuple[Colour, ...] = ((0.84, 0.37, 0.0), (0.0, 0.45, 0.7), (0.25, 0.25, 0.25))
 SHELL_COLOUR: Colour = (0.93, 0.91, 0.86, 0.4)
@@ -53,7 +54,7 @@ class Visual(NamedTuple):
     flat: bool = False
 
 
-def robot_visuals(robot: Robot) -> list[Visual]:
+def robot_visuals(robot: Robot | Figure) -> list[Visual]:
     """Visuals of the URDF, and the shell where the URDF does not draw it.
 
     Warns:
@@ -91,12 +92,13 @@ def robot_visuals(robot: Robot) -> list[Visual]:
             f"instead: {listed}.",
             stacklevel=2,
         )
-    if not any(_is_shell(visual, robot) for visual in visuals):
+    shown = isinstance(robot, Robot) or robot.shows_shell
+    if shown and not any(_is_shell(visual, robot) for visual in visuals):
         visuals += shell_visuals(robot)
     return visuals
 
 
-def shell_visuals(robot: Robot) -> list[Visual]:
+def shell_visuals(robot: Robot | Figure) -> list[Visual]:
     """A translucent shell with a band around each of its three axes."""
     place, shell = robot.shell_placement, robot.shell
     latitude, longitude = np.linspace(-math.pi / 2, math.pi / 2, 33), _turn(64)
@@ -200,7 +202,7 @@ def _colour(visual: ET.Element, materials: dict[str, ET.Element]) -> Colour:
     return tuple(min(max(part, 0.0), 1.0) for part in numbers(colour, "rgba", 4))
 
 
-def _is_shell(visual: Visual, robot: Robot) -> bool:
+def _is_shell(visual: Visual, robot: Robot | Figure) -> bool:
     """Whether a visual of the root link is the shell itself."""
     if not isinstance(robot.shell, Sphere) or visual.geometry["type"] != "SphereGeometry":
         return False
