@@ -164,7 +164,9 @@ class GroundChoice(NamedTuple):
     numbers: tuple[float, ...]
 
 
-class _GroundType(_ParamType):
+class GroundType(_ParamType):
+    """Reads a ground."""
+
     name = "ground"
 
     def convert(self, value: Any, param: Any, ctx: Any) -> GroundChoice:
@@ -190,7 +192,7 @@ class GroundOptions(Group):
 
     ground: GroundChoice = option(
         "--ground",
-        type=_GroundType(),
+        type=GroundType(),
         default="level",
         show_default=True,
         metavar="|".join(kind.form for kind in GROUNDS.values()),

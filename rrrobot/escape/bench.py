@@ -1,0 +1,222 @@
+"""Populations of gaits on a robot's belly: where they go and how near they come to every limit."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+
+from rrrobot.checks import Array
+from rrrobot.drive.gaits import FourierGait
+from rrrobot.escape.capsules import Capsules, clearances
+from rrrobot.models.base import Model
+from rrrobot.momentum.batch import RESULT, FourierGaits, lower, settled
+from rrrobot.momentum.extremes import LOADS, extremes
+from rrrobot.momentum.kernels import ANY, LIFT_OFF, OK
+from rrrobot.momentum.terrain import BOULDER
+
+COUNTED = 4
+"""Cycles that are averaged."""
+_STEPS = 16
+_CLOSE_SAMPLES = 16
+"""Instants of a cycle at which clearances are taken, at least."""
+_CHUNK = 64
+"""Gaits that a thread takes at a time."""
+_COLUMNS = [RESULT.index(name) for name in ("velocity_x", "velocity_y", "yaw_rate")]
+_DECAYED = np.log(1e4)
+
+
+class Population(NamedTuple):
+    """Gaits, one a row: phi = offset + sum over j of sine_j sin(j w t) + cosine_j cos(j w t)."""
+
+    offset: Array
+    """(n, legs) [rad]"""
+    sine: Array
+    """(n, harmonics, legs) [rad]"""
+    cosine: Array
+    """(n, harmonics, legs) [rad]"""
+    angular_frequency: Array
+    """(n,) [rad/s]"""
+
+    def rows(self, which: Array) -> Population:
+        """Some of them."""
+        return Population(*(part[which] for part in self))
+
+    @property
+    def gait(self) -> FourierGait:
+        """The first of them."""
+        return FourierGait(
+            offset=self.offset[0], sine=self.sine[0], cosine=self.cosine[0],
+            angular_frequency=float(self.angular_frequency[0]),
+        )  # fmt: skip
+
+
+class Outcome(NamedTuple):
+    """What gaits do, one a row; NaN where the engine stopped."""
+
+    travel: Array
+    """v_x, v_y and yaw rate (n, 3) [m/s, rad/s]"""
+    variation: Array
+    """of the steps from cycle to cycle, over the step (n,)"""
+    rocking: Array
+    """roll's and pitch's response, amplitude and phase as complex numbers (n, 2) [rad]"""
+    tilt: Array
+    """of the base's z axis: its lean (x, y) through the last cycle (n, steps, 2) [rad]"""
+    status: Array
+    """why the engine stopped, 0 if it did not (n,)"""
+    normal: Array
+    """least normal force over the weight (n,)"""
+    friction: Array
+    """coefficient needed (n,)"""
+    torque: Array
+    """largest motor torque of each leg (n, legs) [N m]"""
+    power: Array
+    """mean of the sum of |torque x rate| (n,) [W]"""
+    height: Array
+    """least height of each limb's capsules, the last column of the base's (n, limbs + 1) [m]"""
+    apart: Array
+    """least distance of capsules that may meet (n,) [m]"""
+
+    @property
+    def most_tilt(self) -> Array:
+        """Largest tilt of the last cycle (n,) [rad]."""
+        return np.asarray(np.linalg.norm(self.tilt, axis=2).max(axis=1))
+
+    def rows(self, which: Array) -> Outcome:
+        """Some of them."""
+        return Outcome(*(part[which] for part in self))
+
+    @staticmethod
+    def joined(parts: Sequence[Outcome]) -> Outcome:
+        """One after the other."""
+        return Outcome(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+class Bench:
+    """A model with the capsules of its links, ready for populations.
+
+    Args:
+        model: `FullModel` with damping, on any ground that the engine knows.
+        capsules: of its links.
+        limbs: how many there are.
+        decay: of the slowest rocking mode [1/s]: gaits run until what they began with is decayed
+            to 1e-4.
+
+    Attributes:
+        simulated: gaits so far.
+    """
+
+    def __init__(self, model: Model, capsules: Capsules, limbs: int, decay: float) -> None:
+        self.model, self.capsules, self.decay = model, capsules, decay
+        self.setting = lower(model)
+        self.weight = model.robot.mass * model.gravity
+        self.limbs = limbs
+        self.simulated = 0
+        terrain = self.setting.terrain
+        self.curvature = 0.0
+        if terrain is not None and terrain.ground == BOULDER:
+            self.curvature = float(terrain.curvature)
+
+    @property
+    def settle_time(self) -> float:
+        """After which gaits count [s]."""
+        return float(_DECAYED / self.decay)
+
+    def __call__(
+        self, gaits: Population, *, forces: bool = True, clearance: bool = True
+    ) -> Outcome:
+        """What the gaits do; without forces or clearance, those are NaN."""
+        n = len(gaits.offset)
+        period = 2 * np.pi / gaits.angular_frequency
+        cycles = np.ceil(self.settle_time / period).astype(np.int64) + COUNTED
+        order = np.argsort(cycles, kind="stable")
+        chunks = [order[i : i + _CHUNK] for i in range(0, n, _CHUNK)]
+
+        def run(rows: Array) -> Outcome:
+            some = gaits.rows(rows)
+            return self._chunk(some, cycles[rows], forces=forces, clearance=clearance)
+
+        if len(chunks) > 1:
+            with ThreadPoolExecutor(os.cpu_count()) as pool:
+                found = Outcome.joined(list(pool.map(run, chunks)))
+        else:
+            found = run(order)
+        self.simulated += n
+        return found.rows(np.argsort(order, kind="stable"))
+
+    def still(self, offset: Array) -> tuple[Array, Array]:
+        """Heights (n, limbs + 1) and separations (n,) of the legs held (n, legs), upright [m]."""
+        pose = self.model.make_pose(np.zeros(3), np.zeros(2))
+        origin = self.model.place(pose).configuration[:3]
+        about = -self.setting.tree.translation[0]
+        normal = self.model.ground.normal(np.zeros(3))
+        n = len(offset)
+        return clearances(
+            self.setting.tree, self.capsules, self.limbs, offset[:, None],
+            np.tile(normal, (n, 1, 1)), np.tile(origin + about, (n, 1, 1)), self.curvature,
+        )  # fmt: skip
+
+    def free_pairs(self, offset: Array, least: float) -> None:
+        """Leave out pairs whose capsules are too near in a posture (legs,): their shapes are not.
+
+        A capsule around a box is wider than the box; such pairs are Coal's to look at.
+        """
+        whole, kept = self.capsules, []
+        for pair in whole.pairs:
+            self.capsules = whole._replace(pairs=pair[None])
+            if self.still(offset[None])[1][0] >= least:
+                kept.append(pair)
+        self.capsules = whole._replace(pairs=np.array(kept, dtype=np.int64).reshape(-1, 2))
+
+    def _chunk(self, gaits: Population, cycles: Array, *, forces: bool, clearance: bool) -> Outcome:
+        n, legs = gaits.offset.shape
+        steps = _STEPS + 8 * (gaits.sine.shape[1] - 1)
+        legs_of = FourierGaits(*gaits)
+        found = settled(
+            self.setting, legs_of, cycles=cycles, counted=COUNTED, steps=steps, motion=True
+        )
+        values = dict(zip(RESULT, found.results.T, strict=True))
+        status = np.where(values["status"] == LIFT_OFF, OK, values["status"])
+        loads, torque = np.full((n, len(LOADS)), np.nan), np.full((n, legs), np.nan)
+        if forces:
+            loads = extremes(self.setting, legs_of, found.motion, torque)
+        up = found.motion[:, :, :3]
+        height, apart = np.full((n, self.limbs + 1), np.nan), np.full(n, np.nan)
+        if clearance:
+            height, apart = self._clearances(gaits, found.motion)
+        swing = [
+            values[f"{axis}_amplitude"] * np.exp(1j * values[f"{axis}_phase"])
+            for axis in ("roll", "pitch")
+        ]
+        lean = -up[:, :, :2] * (np.arccos(np.clip(up[:, :, 2], -1, 1)) / np.maximum(
+            np.linalg.norm(up[:, :, :2], axis=2), 1e-12))[:, :, None]  # fmt: skip
+        load = dict(zip(LOADS, loads.T, strict=True))
+        out = Outcome(
+            found.results[:, _COLUMNS], values["variation"], np.column_stack(swing), lean, status,
+            load["normal_force"] / self.weight, load["friction"], torque, load["power"],
+            height, apart,
+        )  # fmt: skip
+        for part in out:
+            if part is not status:
+                part[status != OK] = np.nan
+        return out
+
+    def _clearances(self, gaits: Population, motion: Array) -> tuple[Array, Array]:
+        """Least heights (n, limbs + 1) and separations (n,) over the cycle of the motion."""
+        steps = motion.shape[1]
+        every = max(1, steps // _CLOSE_SAMPLES)
+        some = motion[:, ::every]
+        turn = np.multiply.outer(
+            np.arange(0, steps, every), 2 * np.pi / steps * (np.arange(gaits.sine.shape[1]) + 1)
+        )
+        angle = np.sin(turn) @ gaits.sine + np.cos(turn) @ gaits.cosine + gaits.offset[:, None]
+        if self.setting.axis == ANY:
+            normal, s = some[:, :, 6:9], some[:, :, 9:12]
+        else:
+            normal, s = some[:, :, :3], some[:, :, :3] * self.setting.parameters[1]
+        return clearances(
+            self.setting.tree, self.capsules, self.limbs, angle, normal, s, self.curvature
+        )

@@ -1,0 +1,184 @@
+"""What is said of a gait: the general model's motion of it, with forces, and Coal's distances.
+
+The gait is blended in from rest over some cycles and simulated by the KKT system until it has
+settled. The last cycle is run through again with a sample each millisecond.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rrrobot.belly.feasible import MotionLimits, feasibility
+from rrrobot.belly.found import Belly
+from rrrobot.checks import Array
+from rrrobot.drive.gaits import FourierGait, RampIn
+from rrrobot.errors import SimulationError, SimulationInterrupted
+from rrrobot.escape.bench import Bench
+from rrrobot.escape.goals import Escape
+from rrrobot.escape.limits import Rules
+from rrrobot.escape.polish import Judged
+from rrrobot.inline import html_table
+from rrrobot.models.base import Model
+from rrrobot.simulation.run import simulate
+from rrrobot.simulation.trajectory import Trajectory
+
+AGREE = 0.01
+"""Largest relative difference of engine and KKT model that a gait may have."""
+RAMP = 3
+"""Cycles of blending in."""
+_COUNTED = 4
+_SAMPLES = 48
+_FINE = 1e-3
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class EscapeGait:
+    """A gait that was found for a goal, as the general (KKT) model and Coal confirm it.
+
+    Attributes:
+        goal: where it was to go.
+        gait: the settled motion of the legs.
+        ramp: time of blending in from rest [s].
+        value: of the goal, in `goal.unit`.
+        travel: v_x, v_y [m/s] along the body's mean heading, and the yaw rate [rad/s] (3,).
+        met: whether all limits hold, from the first to the last instant, and engine and KKT agree.
+        shortfalls: what does not hold, in words.
+        binding: limits that bind.
+        measured: of the settled cycle: friction, normal_force (over the weight), tilt [rad],
+            clearance and separation (Coal) [m], power [W], energy_per_metre [J/m] (of a turn,
+            energy_per_radian).
+        torque: largest of each leg (legs,) [N m], and
+        torque_share: over its limit (legs,); NaN where the file has none.
+        discrepancy: relative difference of travel between the engine and the KKT model.
+        trajectory: from rest through the ramp to the settled motion.
+    """
+
+    goal: Escape
+    gait: FourierGait
+    ramp: float
+    value: float
+    travel: Array
+    met: bool
+    shortfalls: tuple[str, ...]
+    binding: tuple[str, ...]
+    measured: Mapping[str, float]
+    torque: Array
+    torque_share: Array
+    discrepancy: float
+    trajectory: Trajectory = field(repr=False)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the trajectory as plain data; `gait` is one for `read_gait`."""
+        return {
+            "goal": self.goal.to_dict(),
+            "gait": self.gait.to_dict(),
+            "ramp": self.ramp,
+            "value": self.value,
+            "unit": self.goal.unit,
+            "travel": self.travel.tolist(),
+            "met": self.met,
+            "shortfalls": list(self.shortfalls),
+            "binding": list(self.binding),
+            "measured": dict(self.measured),
+            "torque": self.torque.tolist(),
+            "torque_share": self.torque_share.tolist(),
+            "discrepancy": self.discrepancy,
+        }
+
+    def _repr_html_(self) -> str:
+        rows = {
+            self.goal.name: f"{self.value:.4g} {self.goal.unit}",
+            "gait": self.gait,
+            "limits": "met" if self.met else f"NOT MET: {'; '.join(self.shortfalls)}",
+            **{key: f"{value:.4g}" for key, value in self.measured.items()},
+        }
+        return html_table("Gait", rows)
+
+    def __repr__(self) -> str:
+        state = "" if self.met else f", NOT MET: {'; '.join(self.shortfalls)}"
+        return f"EscapeGait({self.goal.name}: {self.value:.4g} {self.goal.unit}{state})"
+
+
+class _Settled(NamedTuple):
+    """What the last cycles of a run come to."""
+
+    travel: Array
+    value: float
+    discrepancy: float
+
+
+def confirm(model: Model, bench: Bench, rules: Rules, one: Judged, belly: Belly) -> EscapeGait:
+    """Simulate a gait by the KKT system and hold it against every limit.
+
+    Args:
+        model: the robot on its ground.
+        bench: whose settle time counts.
+        rules: goal and limits.
+        one: the gait, and what the engine says of it.
+        belly: shapes and rolling range.
+    """
+    gait = one.gait.gait
+    period = gait.period or 0.0
+    drive = RampIn(gait, RAMP * period)
+    start = np.ceil(bench.settle_time / period + RAMP) * period
+    problems: list[str] = []
+    settled = _Settled(np.full(3, np.nan), math.nan, math.inf)
+    try:
+        run = last = simulate(
+            model, drive, start + _COUNTED * period, period / _SAMPLES, start="rest"
+        )
+    except SimulationInterrupted:
+        raise
+    except SimulationError as error:
+        if error.trajectory is None:
+            raise
+        run = last = error.trajectory
+        problems.append(str(error).partition(". State")[0])
+    else:
+        settled = _settled(run, start, one, rules)
+        steps = max(_SAMPLES, math.ceil(period / _FINE))
+        last = simulate(model, drive, period, period / steps, state=run.final_state)
+    limits = MotionLimits(
+        friction=rules.limits.friction, normal_force=rules.limits.normal_force,
+        clearance=0.0, separation=0.0,
+    )  # fmt: skip
+    whole, fine = (feasibility(part, limits, belly=belly) for part in (run, last))
+    problems += [str(broken) for broken in (*whole.violations, *fine.violations)]
+    if settled.discrepancy > AGREE and not problems:
+        problems.append(
+            f"engine and KKT model differ by {100 * settled.discrepancy:.2g} %: the motion is not "
+            "settled, or not stable"
+        )
+    torque = np.abs(last.leg_torque).max(axis=0)
+    power = float(np.abs(last.leg_torque * last.leg_rate).sum(axis=1).mean())
+    per = "energy_per_radian" if rules.goal.turns else "energy_per_metre"
+    measured = {
+        "friction": float(last.required_friction.max()),
+        "normal_force": float(last.normal_force.min() / bench.weight),
+        "tilt": float(fine.margins["tilt"].value),
+        "clearance": float(fine.margins["clearance"].value),
+        "separation": float(fine.margins["separation"].value),
+        "power": power,
+        per: power / settled.value if settled.value > 0 else math.nan,
+    }
+    return EscapeGait(
+        goal=rules.goal, gait=gait, ramp=RAMP * period, value=settled.value,
+        travel=settled.travel, met=not problems, shortfalls=tuple(dict.fromkeys(problems)),
+        binding=one.binding, measured=measured, torque=torque,
+        torque_share=np.where(np.isfinite(rules.ends.effort), torque / rules.ends.effort, np.nan),
+        discrepancy=settled.discrepancy, trajectory=run,
+    )  # fmt: skip
+
+
+def _settled(run: Trajectory, start: float, one: Judged, rules: Rules) -> _Settled:
+    state = run.steady_state(start=start - 1e-9)
+    travel = np.append(state.velocity, state.yaw_rate)
+    scale = np.array((1.0, 1.0, rules.length))
+    gap = np.linalg.norm(scale * (travel - one.outcome.travel[0]))
+    size = max(float(np.linalg.norm(scale * travel)), 1e-9)
+    return _Settled(travel, float(rules.goal.value(travel[None])[0]), float(gap) / size)

@@ -1,0 +1,154 @@
+"""What a gait must keep within, as slacks of order one: positive inside, negative outside."""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from rrrobot.checks import Array, finite
+from rrrobot.escape.bench import Outcome, Population
+from rrrobot.escape.goals import Escape
+from rrrobot.robot.robot import Robot
+
+_UNLIMITED = 20.0
+"""An effort limit of so many times weight x reach is what exporters write where nobody gave one."""
+_PHASES = 48
+_VARIATION = 0.01
+LENGTH = 0.1
+"""Length that makes a slack of one [m]."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class EscapeLimits:
+    """What a gait must keep within beside the joint limits of the robot's file.
+
+    Attributes:
+        friction: coefficient that the ground offers.
+        normal_force: least normal force over the weight.
+        tilt: largest tilt of the base [rad]; the belly's rolling range unless given.
+        clearance: least distance of limbs and base from the ground, but for the belly [m].
+        separation: least distance of links from each other [m].
+        use: part of the joints' limits of velocity and effort, and of the tilt, that may be used.
+
+    Raises:
+        ParameterError: a number out of range.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> rr.escape.EscapeLimits(friction=0.3).clearance
+        0.005
+    """
+
+    friction: float = 0.5
+    normal_force: float = 0.1
+    tilt: float | None = None
+    clearance: float = 0.005
+    separation: float = 0.005
+    use: float = 0.95
+
+    def __post_init__(self) -> None:
+        finite("friction", self.friction, above=0)
+        finite("normal_force", self.normal_force, at_least=0)
+        if self.tilt is not None:
+            finite("tilt", self.tilt, "rad", above=0)
+        finite("clearance", self.clearance, "m")
+        finite("separation", self.separation, "m")
+        finite("use", self.use, above=0)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As plain data."""
+        return asdict(self)
+
+
+class JointEnds(NamedTuple):
+    """What the joints can do; infinite where the file has no limit that binds."""
+
+    lower: Array
+    """(legs,) [rad]"""
+    upper: Array
+    velocity: Array
+    """[rad/s]"""
+    effort: Array
+    """[N m]"""
+    unlimited: tuple[str, ...]
+    """joints whose effort limit is none"""
+
+
+def joint_ends(robot: Robot, length: float) -> JointEnds:
+    """Joint limits of a robot of this length [m] that are limits."""
+    joints, most = robot.joints, _UNLIMITED * robot.mass * 9.81 * length
+    no = joints.effort > most
+    return JointEnds(
+        np.maximum(joints.lower, -2 * np.pi), np.minimum(joints.upper, 2 * np.pi),
+        joints.velocity, np.where(no, np.inf, joints.effort),
+        tuple(name for name, none in zip(robot.legs, no, strict=True) if none),
+    )  # fmt: skip
+
+
+class Rules(NamedTuple):
+    """Limits for one robot and one goal."""
+
+    goal: Escape
+    limits: EscapeLimits
+    ends: JointEnds
+    tilt: float
+    """[rad]"""
+    length: float
+    """of the robot [m]"""
+
+    def slacks(self, gaits: Population, out: Outcome) -> tuple[tuple[str, ...], Array]:
+        """Names, and how far inside each limit the gaits are (n, k)."""
+        limits, ends = self.limits, self.ends
+        low, high, rate = extent(gaits)
+        parts: list[tuple[str, Array]] = [
+            ("normal force", (out.normal - limits.normal_force)[:, None]),
+            ("friction", _below(out.friction, limits.friction)[:, None]),
+            ("tilt", _below(out.most_tilt, limits.use * self.tilt)[:, None]),
+            ("clearance", (out.height[:, :-1] - limits.clearance) / LENGTH),
+            ("separation", (out.apart - limits.separation)[:, None] / LENGTH),
+            ("position", low - ends.lower),
+            ("position", ends.upper - high),
+            ("velocity", _below(rate, limits.use * ends.velocity)),
+            ("effort", _below(out.torque, limits.use * ends.effort)),
+        ]
+        if not self.goal.leans:
+            parts.append(("direction", self.goal.slack(out.travel, self.length)))
+        names = tuple(name for name, part in parts for _ in range(part.shape[1]))
+        whole = np.column_stack([np.minimum(part, 1.0) for _, part in parts])
+        return names, np.nan_to_num(whole, nan=-9.0, neginf=-9.0)
+
+    def value(self, out: Outcome) -> Array:
+        """What is to be largest (n,); of gaits that stopped or do not settle, minus infinity."""
+        if self.goal.leans:
+            ahead, left, _ = self.goal.weights
+            found = (out.tilt @ np.array((ahead, left))).max(axis=1)
+            steady = np.isfinite(found)
+        else:
+            found = self.goal.value(out.travel)
+            speed = np.hypot(out.travel[:, 0], out.travel[:, 1])
+            moving = np.maximum(speed, np.abs(out.travel[:, 2]) * self.length)
+            steady = out.variation * np.maximum(speed, 1e-6) <= _VARIATION * moving
+        return np.where(steady & np.isfinite(found), found, -np.inf)
+
+
+def _below(value: Array, most: Any) -> Array:
+    """Slack of a positive value below a limit, infinite ones included."""
+    with np.errstate(invalid="ignore"):
+        ratio = np.minimum(value, 1e9) / most
+    return np.asarray((1.0 - ratio) / (1.0 + ratio))
+
+
+def extent(gaits: Population) -> tuple[Array, Array, Array]:
+    """Least and greatest position and greatest rate of each leg, each (n, legs)."""
+    w = gaits.angular_frequency[:, None]
+    if gaits.sine.shape[1] == 1:
+        swing = np.hypot(gaits.sine[:, 0], gaits.cosine[:, 0])
+        return gaits.offset - swing, gaits.offset + swing, swing * w
+    harmonic = np.arange(1, gaits.sine.shape[1] + 1)
+    turn = np.multiply.outer(2 * np.pi * np.arange(_PHASES) / _PHASES, harmonic)
+    s, c = np.sin(turn), np.cos(turn)
+    angle = s @ gaits.sine + c @ gaits.cosine + gaits.offset[:, None]
+    rate = (c * harmonic) @ gaits.sine - (s * harmonic) @ gaits.cosine
+    return angle.min(axis=1), angle.max(axis=1), np.abs(rate).max(axis=1) * w

@@ -1,0 +1,176 @@
+"""From a gait within the limits, or near them, to the best one nearby: all joints, all harmonics.
+
+Sequential linear programming in a trust region: goal and limits are linearised by differences,
+simulated side by side; the linear program's step and parts of it are simulated too, and the best
+of them is the next gait. Where many limits bind, as they do at a fast gait, this goes straight to
+the corner.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from rrrobot.checks import Array
+from rrrobot.escape.bench import Bench, Outcome, Population
+from rrrobot.escape.limits import Rules
+
+_STEP = 1e-3
+"""Of the differences, in units of the swings' room."""
+_MARGIN = 4e-3
+"""Slack that is kept for what differs between instants looked at and all others."""
+_PARTS = np.array((1.0, 0.6, 0.3, 0.1))
+_PRICE = 10.0
+"""Of a slack that is missing, in units of the goal's value."""
+_FIRST, _WIDEST, _NARROWEST = 0.1, 0.5, 2e-3
+"""Half widths of the trust region, in units of the swings' room."""
+
+
+class Scale(NamedTuple):
+    """Gaits as points: (offset, sines, cosines) over the swings' room, log of the frequency."""
+
+    room: Array
+    """(legs,) [rad]"""
+    harmonics: int
+
+    def points(self, gaits: Population) -> Array:
+        """Points (n, m) of gaits."""
+        n, h = len(gaits.offset), gaits.sine.shape[1]
+        parts = [gaits.offset / self.room]
+        for coefficients in (gaits.sine, gaits.cosine):
+            padded = np.zeros((n, self.harmonics, self.room.size))
+            padded[:, :h] = coefficients / self.room
+            parts.append(padded.reshape(n, -1))
+        return np.column_stack((*parts, np.log(gaits.angular_frequency)))
+
+    def gaits(self, points: Array) -> Population:
+        """Gaits of points (n, m)."""
+        legs, n = self.room.size, len(points)
+        edges = legs * np.array((1, 1 + self.harmonics, 1 + 2 * self.harmonics))
+        offset, sine, cosine, log = np.split(points, edges, axis=1)
+        shape = (n, self.harmonics, legs)
+        return Population(
+            offset * self.room, sine.reshape(shape) * self.room,
+            cosine.reshape(shape) * self.room, np.exp(log[:, 0]),
+        )  # fmt: skip
+
+
+class Judged(NamedTuple):
+    """One gait, what it does, and how good that is."""
+
+    gait: Population
+    outcome: Outcome
+    value: float
+    """of the goal; minus infinity where the gait stopped or does not settle"""
+    slack: float
+    """least of all limits"""
+    binding: tuple[str, ...]
+    """limits that bind or are broken"""
+
+    @property
+    def valid(self) -> bool:
+        """Whether it is within all limits."""
+        return self.slack >= 0 and bool(np.isfinite(self.value))
+
+    def better_than(self, other: Judged) -> bool:
+        """Deb's rules: within the limits before outside, then by value, or by slack outside."""
+        if self.valid != other.valid:
+            return self.valid
+        return self.value > other.value if self.valid else self.slack > other.slack
+
+
+def judge(rules: Rules, gaits: Population, out: Outcome) -> list[Judged]:
+    """Gaits with their values and least slacks."""
+    names, slacks = rules.slacks(gaits, out)
+    found = []
+    for i, value in enumerate(rules.value(out)):
+        here = np.array([i])
+        bound = {n for n, s in zip(names, slacks[i], strict=True) if s < 4 * _MARGIN}
+        found.append(
+            Judged(gaits.rows(here), out.rows(here), float(value), float(slacks[i].min()),
+                   tuple(sorted(bound)))
+        )  # fmt: skip
+    return found
+
+
+def polish(
+    bench: Bench,
+    rules: Rules,
+    start: Judged,
+    room: Array,
+    *,
+    harmonics: int = 1,
+    iterations: int = 30,
+    stop: Callable[[], bool] = lambda: False,
+) -> Judged:
+    """The best gait near one, of so many harmonics; the start if none is better.
+
+    Args:
+        bench: where gaits run.
+        rules: limits and the goal.
+        start: a gait that settles.
+        room: swings that make a unit of the steps (legs,) [rad].
+        harmonics: of the gait.
+        iterations: at most.
+        stop: asked before each step; ends the search.
+    """
+    scale = Scale(room, harmonics)
+    x, best = scale.points(start.gait)[0], start
+    unit = max(abs(start.value), 1e-6)
+    radius, merit = _FIRST, -np.inf
+    for _ in range(iterations):
+        if stop() or radius < _NARROWEST:
+            break
+        gaits = scale.gaits(np.vstack((x, x + _STEP * np.eye(x.size))))
+        out = bench(gaits)
+        values, slacks = rules.value(out) / unit, rules.slacks(gaits, out)[1]
+        if not np.isfinite(values[0]):
+            break
+        merit = _merit(values[:1], slacks[:1])[0]
+        # A neighbour that does not settle says nothing.
+        slope = np.nan_to_num((values[1:] - values[0]) / _STEP, neginf=0.0, posinf=0.0)
+        lean = (slacks[1:] - slacks[0]).T / _STEP
+        while radius >= _NARROWEST:
+            step = _linear_step(slope, slacks[0] - _MARGIN, lean, radius)
+            tries = scale.gaits(x + np.outer(_PARTS, step))
+            found = judge(rules, tries, tried := bench(tries))
+            gained = _merit(rules.value(tried) / unit, rules.slacks(tries, tried)[1]) - merit
+            for one in found:
+                if one.better_than(best):
+                    best = one
+            k = int(np.argmax(gained))
+            if gained[k] > 1e-4:
+                x = x + _PARTS[k] * step
+                radius = min(_WIDEST, radius * (1.6 if k == 0 else 2 * _PARTS[k]))
+                break
+            radius *= 0.25
+            if stop():
+                break
+        else:
+            break
+    return best
+
+
+def _merit(values: Array, slacks: Array) -> Array:
+    """What steps shall raise (n,)."""
+    missing = np.maximum(0.0, _MARGIN - slacks).sum(axis=1)
+    return np.nan_to_num(values, neginf=-1e6) - _PRICE * missing
+
+
+def _linear_step(slope: Array, slack: Array, lean: Array, radius: float) -> Array:
+    """The step of the linearised problem within the trust region, limits softened by a price."""
+    from scipy.optimize import linprog
+
+    m = slope.size
+    # Unknowns: the step (m,), and how much is missing of each limit that is near.
+    near = slack - radius * np.abs(lean).sum(axis=1) < 0
+    k = int(near.sum())
+    found = linprog(
+        np.concatenate((-slope, np.full(k, _PRICE))),
+        A_ub=np.hstack((-lean[near], -np.eye(k))) if k else None,
+        b_ub=slack[near] if k else None,
+        bounds=[(-radius, radius)] * m + [(0, None)] * k,
+    )
+    return np.asarray(found.x[:m]) if found.status == 0 else radius * np.sign(slope)

@@ -1,0 +1,256 @@
+"""The whole story on disk: a page that stands by itself, a film of each gait, files for the robot.
+
+    report.html              belly, rest, modes, every gait with its margins, figures within
+    NAME.html                film of a gait
+    NAME.json                the gait, for `read_gait` and --gait
+    NAME.csv, NAME.ros.json  set-points of one period for the joints' controllers
+    NAME.npz                 the run that confirms it
+    unstick.json             all numbers
+
+NAME is the goal's, as turn_left.
+"""
+
+from __future__ import annotations
+
+import base64
+from dataclasses import replace
+from html import escape
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rrrobot.checks import Array
+from rrrobot.drawing import COLOURS, FONT, line, new_figure, tidy
+from rrrobot.drive.tables import gait_table, write_gait
+from rrrobot.escape.confirming import EscapeGait
+from rrrobot.escape.unstuck import Unstuck, file_name
+from rrrobot.files import write_whole
+from rrrobot.inline import html_table, png
+
+_RATE = 200.0
+"""Set-points a second [1/s]."""
+_SHOWN = 6
+"""Seconds of a film, at most, beside the ramp."""
+_STYLE = (
+    "body{font:15px/1.5 system-ui,sans-serif;max-width:60em;margin:2em auto;padding:0 1em}"
+    "table{border-collapse:collapse;margin:.6em 0}h1,h2{line-height:1.2}"
+    ".no{color:#BB5566;font-weight:bold}img{max-width:100%}"
+)
+
+
+def write_report(found: Unstuck, folder: str | Path, *, films: bool = True) -> list[Path]:
+    """Write everything into a folder.
+
+    Args:
+        found: of `unstick`.
+        folder: made if there is none.
+        films: whether to write a film of each gait.
+
+    Returns:
+        the files, the report last.
+
+    Raises:
+        OutputError: a file cannot be written.
+    """
+    place = Path(folder)
+    place.mkdir(parents=True, exist_ok=True)
+    written: list[Path] = []
+    for goal in found.goals:
+        for i, gait in enumerate(found.found.get(goal.name, ())):
+            name = file_name(goal.name) + ("" if i == 0 else f"_{i + 1}")
+            written += _robot_files(gait, place, name)
+            if films:
+                written.append(_film(gait, place / f"{name}.html"))
+    page = report_html(found, films=films)
+    written.append(write_whole(place / "report.html", page.encode()))
+    return written
+
+
+def _robot_files(gait: EscapeGait, place: Path, name: str) -> list[Path]:
+    table = gait_table(gait.gait, _RATE, joints=gait.trajectory.robot.legs)
+    return [
+        write_gait(gait.gait, place / f"{name}.json"),
+        table.to_csv(place / f"{name}.csv"),
+        table.to_ros(place / f"{name}.ros.json"),
+    ]
+
+
+def _film(gait: EscapeGait, path: Path) -> Path:
+    from rrrobot.view.viewer import record
+
+    run = gait.trajectory
+    last = gait.ramp + max(_SHOWN, 4 * (gait.gait.period or 0.0))
+    n = int(np.searchsorted(run.time, last))
+    arrays = {
+        key: value[:n]
+        for key, value in vars(run).items()
+        if isinstance(value, np.ndarray) and len(value) == len(run.time)
+    }
+    return record(replace(run, end=None, **arrays), path)
+
+
+def report_html(found: Unstuck, *, films: bool = True) -> str:
+    """The report as one page of HTML, without network and scripts."""
+    belly = found.belly
+    parts = [
+        f"<h1>Getting {escape(belly.robot.name)} free</h1>",
+        _summary(found, films=films),
+        "<h2>The belly</h2>",
+        _picture(_png_of(belly.plot())),
+        html_table("Belly and rest", _belly_rows(found)),
+    ]
+    for goal in found.goals:
+        parts.append(f"<h2>{escape(goal.name)}</h2>")
+        if goal.name in found.reasons:
+            parts.append(f'<p class="no">{escape(found.reasons[goal.name])}</p>')
+        for gait in found.found.get(goal.name, ()):
+            parts.append(html_table("Settled cycle", gait_rows(gait)))
+            parts.append(html_table("Joints", _joint_rows(gait), head=_JOINT_HEAD))
+            parts.append(_picture(png(gait_figure(gait))))
+    title = f"{belly.robot.name}: ways to get free"
+    return (
+        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
+        f"<style>{_STYLE}</style></head><body>{''.join(parts)}</body></html>\n"
+    )
+
+
+def _summary(found: Unstuck, *, films: bool) -> str:
+    rows = []
+    for goal in found.goals:
+        if goal.name not in found.found:
+            rows.append((goal.name, "none feasible", "", "", ""))
+            continue
+        best = found.best(goal.name)
+        rows.append((
+            goal.name, shown_value(best) if best.met else "none feasible",
+            f"{best.measured['friction']:.2f}", share_text(best),
+            f"{1000 * best.measured['clearance']:.0f} mm",
+        ))  # fmt: skip
+    head = ("goal", "speed", "friction needed", "torque over limit", "clearance")
+    links = []
+    if films:
+        links = [
+            f'<a href="{file_name(name)}.html">film: {escape(name)}</a>' for name in found.found
+        ]
+    return html_table("Ways", rows, head=head) + "<p>" + " · ".join(links) + "</p>"
+
+
+def shown_value(gait: EscapeGait) -> str:
+    """The goal's value with everyday units."""
+    if gait.goal.leans or gait.goal.turns:
+        unit = "deg" if gait.goal.leans else "deg/s"
+        return f"{np.rad2deg(gait.value):.1f} {unit}"
+    return f"{1000 * gait.value:.1f} mm/s"
+
+
+def share_text(gait: EscapeGait) -> str:
+    """Largest torque over its limit."""
+    share = gait.torque_share[np.isfinite(gait.torque_share)]
+    return f"{100 * share.max():.0f} %" if share.size else "no limit in the file"
+
+
+def _belly_rows(found: Unstuck) -> dict[str, str]:
+    belly = found.belly
+    rest = "none" if belly.rest is None else ", ".join(f"{x:.2f}" for x in np.rad2deg(belly.rest))
+    rows = {
+        "underside": f"{belly.kind}: {belly.shell!r}",
+        "largest gap of the shell": f"{1000 * belly.error:.1f} mm",
+        "dome to be added": f"{1000 * belly.thickness:.1f} mm",
+        "centre of mass": f"{1000 * belly.height:.0f} mm high, "
+        f"{1000 * belly.margin[0]:.0f} mm (roll) and {1000 * belly.margin[1]:.0f} mm (pitch) "
+        "below the centre of curvature",
+        "rest: roll, pitch, yaw": f"{rest} deg",
+        "rolls to": f"{np.rad2deg(belly.rolling_range.least):.1f} deg",
+        "ground": repr(belly.ground),
+    }
+    for mode in belly.modes:
+        if np.isfinite(mode.period) and mode.period < 1e3:
+            rows[f"mode: {mode.axis}"] = f"{mode.period:.3f} s, {2 * np.pi / mode.period:.2f} rad/s"
+    if found.damping is not None:
+        numbers = [f"{v:.3g}" for v in found.damping.values() if isinstance(v, float)]
+        rows["damping of the rocking (assumed unless given)"] = f"{', '.join(numbers)} N m s/rad"
+    limits = found.limits
+    rows["limits"] = (
+        f"friction {limits.friction:g}, normal force {limits.normal_force:g} of the weight"
+    )
+    if found.unlimited:
+        rows["effort limits that are none"] = ", ".join(found.unlimited)
+    for text in belly.missing:
+        rows["not read"] = text
+    return rows
+
+
+def gait_rows(gait: EscapeGait) -> dict[str, str]:
+    """What a gait does, in everyday units."""
+    m = gait.measured
+    rows = {
+        gait.goal.name: shown_value(gait),
+        "ahead, to the left, turning": f"{1000 * gait.travel[0]:.1f} mm/s, "
+        f"{1000 * gait.travel[1]:.1f} mm/s, {np.rad2deg(gait.travel[2]):.1f} deg/s",
+        "period": f"{gait.gait.period:.3f} s",
+        "friction needed": f"{m['friction']:.3f}",
+        "least normal force": f"{m['normal_force']:.2f} of the weight",
+        "largest tilt": f"{np.rad2deg(m['tilt']):.1f} deg",
+        "least clearance from the ground": f"{1000 * m['clearance']:.1f} mm",
+        "least distance of links": f"{1000 * m['separation']:.1f} mm",
+        "largest torque over its limit": share_text(gait),
+        "mean power of the motors": f"{m['power']:.2f} W",
+    }
+    for key, unit in (("energy_per_metre", "J/m"), ("energy_per_radian", "J/rad")):
+        if key in m:
+            rows["energy"] = f"{m[key]:.3g} {unit}"
+    rows["engine and KKT model differ by"] = f"{100 * gait.discrepancy:.2g} %"
+    rows["binding"] = ", ".join(gait.binding) or "nothing"
+    rows["limits"] = "met" if gait.met else "NOT MET"
+    return rows
+
+
+_JOINT_HEAD = ("joint", "from [deg]", "to [deg]", "rate [rad/s]", "torque [N m]", "of its limit")
+
+
+def _joint_rows(gait: EscapeGait) -> list[tuple[str, ...]]:
+    motion = gait.gait(np.linspace(0, gait.gait.period or 0.0, 200))
+    low, high = np.rad2deg(motion.angle.min(axis=0)), np.rad2deg(motion.angle.max(axis=0))
+    rate = np.abs(motion.rate).max(axis=0)
+    return [
+        (name, f"{low[k]:.1f}", f"{high[k]:.1f}", f"{rate[k]:.2f}", f"{gait.torque[k]:.3g}",
+         "-" if np.isnan(gait.torque_share[k]) else f"{100 * gait.torque_share[k]:.0f} %")
+        for k, name in enumerate(gait.trajectory.robot.legs)
+    ]  # fmt: skip
+
+
+def gait_figure(gait: EscapeGait) -> Any:
+    """Path of the contact, and the body's angles and the legs through the last cycles."""
+    run, period = gait.trajectory, gait.gait.period or 1.0
+    figure = new_figure(9.0, 3.2)
+    path, body, legs = figure.subplots(1, 3)
+    path.plot(100 * run.position[:, 0], 100 * run.position[:, 1], color=COLOURS[0], linewidth=1.0)
+    path.plot(*(100 * run.position[0]), "o", color=COLOURS[1], markersize=4)
+    path.set_aspect("equal", adjustable="datalim")
+    tidy(path, "x [cm]", "y [cm]")
+    path.set_title("contact point, from the dot", fontsize=FONT)
+    last = run.time >= run.time[-1] - 2 * period
+    time = run.time[last] - run.time[last][0]
+    for k, name in enumerate(("roll", "pitch")):
+        body.plot(time, np.rad2deg(run.euler[last, k]), label=name, **line(k))
+    tidy(body, "time [s]", "[deg]")
+    body.legend(fontsize=FONT - 1, frameon=False)
+    body.set_title("body", fontsize=FONT)
+    swing: Array = np.rad2deg(run.leg_angle[last] - run.leg_angle[last].mean(axis=0))
+    most = np.argsort(-np.abs(swing).max(axis=0), kind="stable")[:4]
+    for i, k in enumerate(most):
+        legs.plot(time, swing[:, k], label=run.robot.legs[k], **line(i))
+    tidy(legs, "time [s]", "from the mean [deg]")
+    legs.legend(fontsize=FONT - 2, frameon=False)
+    legs.set_title("joints that swing most", fontsize=FONT)
+    return figure
+
+
+def _png_of(axes: Any) -> bytes:
+    return png(np.ravel(np.array(axes, dtype=object))[0].figure)
+
+
+def _picture(data: bytes) -> str:
+    text = base64.b64encode(data).decode("ascii")
+    return f'<img src="data:image/png;base64,{text}" alt="plot">'

@@ -1,0 +1,59 @@
+"""Postures to search gaits about: beside the belly's own, others that are clear, low and unlike."""
+
+from __future__ import annotations
+
+import numpy as np
+import pinocchio as pin
+
+from rrrobot.checks import Array
+from rrrobot.escape.bench import Bench
+from rrrobot.escape.limits import EscapeLimits, JointEnds
+from rrrobot.escape.spaces import symmetric
+from rrrobot.robot.joints import JointIndex
+from rrrobot.robot.robot import Robot
+
+_TRIED = 512
+_WIDEST = 0.7
+"""Of the deviations from the first posture [rad]."""
+_UNLIKE = 0.35
+"""Root mean square distance of postures from each other [rad]."""
+
+
+def stances(
+    robot: Robot, bench: Bench, first: Array, ends: JointEnds, limits: EscapeLimits, count: int,
+    seed: int = 0,
+) -> Array:  # fmt: skip
+    """The first posture and others (k, legs), at most `count`, from low centres of mass up.
+
+    Each is its own image under the robot's symmetries, has room to swing, and keeps the limbs clear
+    of the ground and of each other in the upright pose.
+    """
+    rng = np.random.default_rng(seed)
+    tried = first + rng.uniform(-_WIDEST, _WIDEST, (_TRIED, robot.n_legs))
+    room = np.minimum(0.15, (ends.upper - ends.lower) / 4)
+    tried = np.clip([symmetric(robot, row) for row in tried], ends.lower + room, ends.upper - room)
+    height, apart = bench.still(np.vstack((first, tried)))
+    # A first posture that is nearer than the limits sets them.
+    clear = height[1:, :-1].min(axis=1, initial=np.inf) >= min(
+        2 * limits.clearance, height[0, :-1].min(initial=np.inf)
+    )
+    clear &= apart[1:] >= min(2 * limits.separation, apart[0])
+    mass = center_heights(robot, np.vstack((first, tried)))
+    order = np.argsort(mass[1:], kind="stable")
+    found = [first]
+    for row in tried[order[clear[order]]]:
+        gaps = [np.sqrt(np.mean((row - other) ** 2)) for other in found]
+        if len(found) < count and min(gaps) > _UNLIKE:
+            found.append(row)
+    return np.array(found)
+
+
+def center_heights(robot: Robot, offsets: Array) -> Array:
+    """Heights of the centre of mass in the base's frame (n,) [m]."""
+    model, data = robot.model, robot.model.createData()
+    index, q = JointIndex(model, robot.legs), pin.neutral(model)
+    found = np.empty(len(offsets))
+    for i, row in enumerate(offsets):
+        index.write(q, row)
+        found[i] = pin.centerOfMass(model, data, q)[2]
+    return found

@@ -1,0 +1,182 @@
+"""Get a robot free: belly, rest, modes, and the best gaits for each goal, confirmed."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rrrobot.belly.fit import fit_belly
+from rrrobot.belly.found import Belly
+from rrrobot.contact.boulder import Boulder
+from rrrobot.contact.ground import Ground
+from rrrobot.drive.damping import Damping
+from rrrobot.errors import GaitError, ModelError, ParameterError
+from rrrobot.escape.atlas import Atlas
+from rrrobot.escape.bench import Bench
+from rrrobot.escape.bodies import base_length, capsules_of, with_legs
+from rrrobot.escape.confirming import EscapeGait, confirm
+from rrrobot.escape.finding import find_gaits
+from rrrobot.escape.goals import ROCK, USUAL, Escape, goal_of
+from rrrobot.escape.limits import EscapeLimits, Rules, joint_ends
+from rrrobot.escape.loss import RATIO, rocking_damping, rocking_modes
+from rrrobot.escape.spaces import GROUPS
+from rrrobot.escape.stances import stances
+from rrrobot.escape.unstuck import Unstuck
+from rrrobot.models.full import FullModel
+from rrrobot.robot.robot import Robot
+
+Progress = Callable[[str, int, int], None]
+"""Called with what is done now, how far it is, and how far it goes."""
+_TRIED = 5
+"""Gaits that the KKT system simulates for a goal until enough are confirmed."""
+
+
+def unstick(
+    robot: Robot | Belly | str | Path,
+    *,
+    goals: Sequence[str | Escape] | None = None,
+    ground: Ground | None = None,
+    joints: Sequence[str] | None = None,
+    groups: Sequence[str] = GROUPS,
+    limits: EscapeLimits | None = None,
+    damping: Damping | None = None,
+    damping_ratio: float = RATIO,
+    postures: int = 3,
+    harmonics: int = 1,
+    solutions: int = 1,
+    budget: int = 8000,
+    folder: str | Path | None = None,
+    progress: Progress | None = None,
+) -> Unstuck:
+    """Find how a robot that lies on its belly can move, and show that nothing breaks.
+
+    The belly is fitted, gaits near its rocking modes are searched for each goal, and the best are
+    confirmed by the general model with forces and by distances of the links' shapes.
+
+    Args:
+        robot: a Robot, the name of an example, the path of a URDF, or a `Belly` that is fitted.
+        goals: "forward", "left" (sideways), "turn left", "direction:30", ... see
+            `rr.escape.GOALS`; off a rock "off:90" (to the left). The usual ones unless given.
+        ground: level ground unless given.
+        joints: that move, the others are held in the belly's posture; all unless given.
+        groups: ways in which limbs may move together; see `rr.escape.GROUPS`.
+        limits: beside the joint limits of the file; `EscapeLimits()` unless given.
+        damping: of the rocking. Unless given, roll and pitch have
+        damping_ratio: this one, an assumption that the report names.
+        postures: at most, to search about.
+        harmonics: of the gaits.
+        solutions: unlike gaits wanted for each goal.
+        budget: gaits that may be simulated for a goal.
+        folder: where results are kept as they come; a run that was interrupted goes on from there.
+        progress: see `Progress`.
+
+    Returns:
+        an `Unstuck`. Where no gait is feasible it says why.
+
+    Raises:
+        ParameterError: a goal, joint or group that does not exist, a number out of range.
+        ShellError, UrdfError: as `fit_belly` raises.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> found = rr.unstick(rr.Robot.from_parameters(), goals=["left"], budget=600)
+        >>> best = found.best("left")
+        >>> best.met, best.value > 0.005
+        (True, True)
+    """
+    limits = EscapeLimits() if limits is None else limits
+    for name, number, most in (
+        ("postures", postures, 20), ("harmonics", harmonics, 4), ("solutions", solutions, _TRIED),
+    ):  # fmt: skip
+        if isinstance(number, bool) or number not in range(1, most + 1):
+            raise ParameterError(f"{name} is {number!r}: it must be a whole number, 1 to {most}.")
+    tell = progress or (lambda what, now, end: None)
+    if isinstance(robot, Belly):
+        belly = robot
+    else:
+        tell("fitting the belly", 0, 1)
+        belly = fit_belly(robot, ground=ground)
+    if goals is None:
+        goals = ROCK if isinstance(belly.ground, Boulder) else USUAL
+    wanted = [goal_of(goal) for goal in goals]
+    found = Unstuck.begun(belly, limits, wanted, folder)
+    left = [goal for goal in wanted if goal.name not in found.done]
+    if not left:
+        return found
+    if not belly.stable:
+        return found.stopped(belly.reason)
+    work: _Work | None = None
+    for goal in left:
+        try:
+            if work is None:
+                work = _Work(
+                    belly, limits, joints, tuple(groups), damping, damping_ratio, postures, tell
+                )
+                found = found.known(work.model, work.ends.unlimited)
+            gaits = work.gaits(goal, budget, harmonics, solutions, tell)
+        except (GaitError, ModelError) as error:
+            found = found.failed(goal, str(error))
+            continue
+        found = found.reached(goal, gaits)
+    return found
+
+
+class _Work:
+    """What all goals of a robot have in common."""
+
+    def __init__(
+        self,
+        belly: Belly,
+        limits: EscapeLimits,
+        joints: Sequence[str] | None,
+        groups: tuple[str, ...],
+        damping: Any,
+        ratio: float,
+        postures: int,
+        tell: Progress,
+    ) -> None:
+        self.belly, self.limits = belly, limits
+        robot, posture = belly.robot, belly.posture
+        if joints is not None:
+            robot, posture = with_legs(robot, posture, tuple(joints))
+        bare = FullModel(robot, ground=belly.ground, damping=None)
+        loss = rocking_damping(bare, posture, ratio) if damping is None else damping
+        self.model = FullModel(robot, ground=belly.ground, damping=loss)
+        self.length = base_length(belly.shapes)
+        self.ends = joint_ends(robot, self.length)
+        self.tilt = float(belly.rolling_range.least if limits.tilt is None else limits.tilt)
+        rocking = rocking_modes(self.model, posture)
+        decay = min((mode.decay_rate for mode in rocking), default=0.0)
+        if decay <= 0:
+            raise ModelError(
+                "the rocking about the rest does not decay, so no gait settles: give a damping."
+            )
+        capsules, limbs = capsules_of(robot, belly.shapes, belly.covered)
+        self.bench = Bench(self.model, capsules, limbs, decay)
+        self.bench.free_pairs(posture, limits.separation)
+        tell("looking about postures", 0, 1)
+        about = stances(robot, self.bench, posture, self.ends, limits, postures)
+        self.atlas = Atlas(self.bench, self.model, about, self.ends, self.tilt, groups)
+
+    def gaits(
+        self, goal: Escape, budget: int, harmonics: int, solutions: int, tell: Progress
+    ) -> list[EscapeGait]:
+        """Confirmed gaits, the best first; if none is, the nearest."""
+        rules = Rules(goal, self.limits, self.ends, self.tilt, self.length)
+        found = find_gaits(
+            self.bench, self.atlas, rules, budget=budget, harmonics=harmonics,
+            progress=lambda now, end: tell(f"searching {goal.name}", now, end),
+        )  # fmt: skip
+        confirmed: list[EscapeGait] = []
+        tried: list[EscapeGait] = []
+        for i, one in enumerate(found[:_TRIED]):
+            tell(f"confirming {goal.name}", i, _TRIED)
+            gait = confirm(self.model, self.bench, rules, one, self.belly)
+            (confirmed if gait.met else tried).append(gait)
+            if len(confirmed) == solutions:
+                break
+        tell(f"confirming {goal.name}", _TRIED, _TRIED)
+        return confirmed or tried[:1]

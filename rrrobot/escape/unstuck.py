@@ -1,0 +1,242 @@
+"""What `unstick` finds, kept on disk as it comes."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rrrobot.belly.found import Belly
+from rrrobot.drive.tables import gait_from_dict
+from rrrobot.errors import OutputError, ParameterError
+from rrrobot.escape.confirming import EscapeGait
+from rrrobot.escape.goals import Escape, goal_of
+from rrrobot.escape.limits import EscapeLimits
+from rrrobot.files import write_whole
+from rrrobot.inline import html_table
+from rrrobot.models.base import Model
+from rrrobot.simulation.trajectory import Trajectory
+
+STORE = "unstick.json"
+FORMAT = "rrrobot unstick 1"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Unstuck:
+    """What `unstick` found.
+
+    Attributes:
+        belly: the belly, its rest and modes.
+        limits: what gaits had to keep within.
+        goals: that were asked for.
+        found: goal's name -> gaits, the best first; if the first is not `met`, it is the nearest.
+        reasons: goal's name -> why there is no feasible gait, and what to try.
+        unlimited: joints whose effort limit in the file is none.
+        damping: of the rocking, as plain data; None as long as no goal was searched for.
+        folder: where results are kept, or None.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> found = rr.unstick(rr.Robot.from_parameters(), goals=["left"], budget=600)
+        >>> found.reasons
+        {}
+    """
+
+    belly: Belly
+    limits: EscapeLimits
+    goals: tuple[Escape, ...]
+    found: Mapping[str, tuple[EscapeGait, ...]] = field(default_factory=dict)
+    reasons: Mapping[str, str] = field(default_factory=dict)
+    unlimited: tuple[str, ...] = ()
+    damping: Mapping[str, Any] | None = None
+    folder: Path | None = None
+
+    @property
+    def done(self) -> tuple[str, ...]:
+        """Names of the goals that are searched."""
+        return (*self.found, *(name for name in self.reasons if name not in self.found))
+
+    @property
+    def met(self) -> bool:
+        """Whether there is a feasible gait for every goal."""
+        return all(goal.name in self.found and self.best(goal.name).met for goal in self.goals)
+
+    def best(self, goal: str | Escape) -> EscapeGait:
+        """The best gait for a goal; where it is not `met`, the nearest.
+
+        Raises:
+            ParameterError: the goal was not asked for, or nothing settles on the way.
+        """
+        name = goal_of(goal).name
+        if name in self.found:
+            return self.found[name][0]
+        why = self.reasons.get(name, f"the goals were {', '.join(g.name for g in self.goals)}")
+        raise ParameterError(f"there is no gait {name!r}: {why}")
+
+    @classmethod
+    def begun(
+        cls, belly: Belly, limits: EscapeLimits, goals: Sequence[Escape], folder: str | Path | None
+    ) -> Unstuck:
+        """Nothing yet, or what a folder holds of the same robot, ground and limits."""
+        own = cls(
+            belly=belly, limits=limits, goals=tuple(goals),
+            folder=None if folder is None else Path(folder),
+        )  # fmt: skip
+        return own if own.folder is None else own._resumed(own.folder)
+
+    def known(self, model: Model, unlimited: tuple[str, ...]) -> Unstuck:
+        """With the model that is searched."""
+        return replace(self, unlimited=unlimited, damping=model.damping.to_dict())
+
+    def reached(self, goal: Escape, gaits: Sequence[EscapeGait]) -> Unstuck:
+        """With the gaits of a goal."""
+        reasons = dict(self.reasons)
+        if not gaits[0].met:
+            reasons[goal.name] = why_not(gaits[0])
+        new = replace(self, found={**self.found, goal.name: tuple(gaits)}, reasons=reasons)
+        for i, gait in enumerate(gaits if new.folder is not None else ()):
+            assert new.folder is not None
+            gait.trajectory.save(new.folder / _run_name(goal.name, i))
+        return new._kept()
+
+    def failed(self, goal: Escape, reason: str) -> Unstuck:
+        """With a goal that nothing reaches."""
+        return replace(self, reasons={**self.reasons, goal.name: reason})._kept()
+
+    def stopped(self, reason: str) -> Unstuck:
+        """With no goal reached, for one reason."""
+        said = (
+            f"{reason.rstrip('.')}. Try form='ellipsoid' or a larger tilt in fit_belly, legs lower "
+            "with posture=, or, on a rock, a larger boulder."
+        )
+        return replace(self, reasons={goal.name: said for goal in self.goals})._kept()
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the trajectories as plain data."""
+        return {
+            "robot": self.belly.robot.name,
+            "belly": self.belly.to_dict(),
+            "limits": self.limits.to_dict(),
+            "goals": [goal.name for goal in self.goals],
+            "gaits": {name: [g.to_dict() for g in gaits] for name, gaits in self.found.items()},
+            "reasons": dict(self.reasons),
+            "unlimited": list(self.unlimited),
+            "damping": self.damping,
+        }
+
+    def _repr_html_(self) -> str:
+        rows = {goal.name: self._told(goal) for goal in self.goals}
+        return html_table(f"Ways of {self.belly.robot.name}", rows)
+
+    def __repr__(self) -> str:
+        told = ", ".join(f"{goal.name}: {self._told(goal)}" for goal in self.goals)
+        return f"Unstuck({self.belly.robot.name}: {told})"
+
+    def _told(self, goal: Escape) -> str:
+        if goal.name not in self.found:
+            return self.reasons.get(goal.name, "not searched")
+        best = self.best(goal)
+        state = "" if best.met else f", NOT FEASIBLE: {self.reasons[goal.name]}"
+        return f"{best.value:.4g} {goal.unit}{state}"
+
+    def save(self, folder: str | Path, *, films: bool = True) -> list[Path]:
+        """Write report.html, films and files for the robot; see `rrrobot.escape.report`."""
+        from rrrobot.escape.report import write_report
+
+        return write_report(self, folder, films=films)
+
+    # On disk
+
+    def _key(self) -> str:
+        parts = [self.belly.robot.to_dict(), self.belly.ground.to_dict(), self.limits.to_dict()]
+        for part in parts:
+            part.pop("package_dirs", None)
+        return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:32]
+
+    def _kept(self) -> Unstuck:
+        if self.folder is not None:
+            self.folder.mkdir(parents=True, exist_ok=True)
+            data = {"format": FORMAT, "key": self._key(), **self.to_dict()}
+            text = json.dumps(_plain(data), indent=1, allow_nan=False)
+            write_whole(self.folder / STORE, (text + "\n").encode())
+        return self
+
+    def _resumed(self, folder: Path) -> Unstuck:
+        path = folder / STORE
+        if not path.exists():
+            folder.mkdir(parents=True, exist_ok=True)
+            return self
+        try:
+            data = json.loads(path.read_text(encoding="utf-8"))
+            if data["format"] != FORMAT or data["key"] != self._key():
+                raise OutputError(
+                    f"{str(folder)!r} holds the results of another robot, ground or limits: give "
+                    "another folder, or delete it."
+                )
+            found = {
+                name: tuple(
+                    _gait(entry, folder / _run_name(name, i)) for i, entry in enumerate(entries)
+                )
+                for name, entries in data["gaits"].items()
+            }
+            return replace(
+                self, found=found, reasons=dict(data["reasons"]),
+                unlimited=tuple(data["unlimited"]), damping=data["damping"],
+            )  # fmt: skip
+        except (KeyError, TypeError, ValueError, OSError) as error:
+            raise OutputError(
+                f"{str(path)!r} is damaged ({error}): delete it, and the search begins anew."
+            ) from None
+
+
+def why_not(gait: EscapeGait) -> str:
+    """What the nearest gait breaks, and what to try."""
+    ways = {
+        "friction": "smaller swings, or ground with more friction (limits.friction)",
+        "clearance": "a smaller limits.tilt, or legs held higher (posture=)",
+        "separation": "other joints (joints=), or legs spread wider (posture=)",
+        "tilt": "a belly that rolls further (fit_belly(tilt=...))",
+        "engine": "another damping, or frequencies away from twice a rocking mode",
+    }
+    said = "; ".join(gait.shortfalls)
+    tries = [way for word, way in ways.items() if word in said.lower()]
+    return f"the nearest gait breaks a limit: {said}. Try {'; '.join(tries) or 'a larger budget'}."
+
+
+def _run_name(goal: str, i: int) -> str:
+    return f"{file_name(goal)}{'' if i == 0 else f'_{i + 1}'}.npz"
+
+
+def file_name(goal: str) -> str:
+    """A goal's name as part of a file's."""
+    return goal.replace(" ", "_").replace(":", "_").replace("-", "minus")
+
+
+def _gait(entry: Mapping[str, Any], run: Path) -> EscapeGait:
+    def numbers(values: Any) -> Any:
+        return np.array([np.nan if v is None else v for v in values], dtype=float)
+
+    measured = {k: np.nan if v is None else float(v) for k, v in entry["measured"].items()}
+    gait: Any = gait_from_dict(entry["gait"])
+    return EscapeGait(
+        goal=goal_of(entry["goal"]["name"]), gait=gait, ramp=entry["ramp"], value=entry["value"],
+        travel=numbers(entry["travel"]), met=entry["met"], shortfalls=tuple(entry["shortfalls"]),
+        binding=tuple(entry["binding"]), measured=measured, torque=numbers(entry["torque"]),
+        torque_share=numbers(entry["torque_share"]), discrepancy=entry["discrepancy"],
+        trajectory=Trajectory.load(run),
+    )  # fmt: skip
+
+
+def _plain(data: Any) -> Any:
+    if isinstance(data, Mapping):
+        return {str(key): _plain(value) for key, value in data.items()}
+    if isinstance(data, (list, tuple)):
+        return [_plain(value) for value in data]
+    if isinstance(data, float):
+        return data if np.isfinite(data) else None
+    return data

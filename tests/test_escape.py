@@ -1,0 +1,285 @@
+"""Gaits that get a robot free: what the search is made of, against other ways to compute it."""
+
+import numpy as np
+import pinocchio as pin
+import pytest
+
+import rrrobot as rr
+from rrrobot.escape.atlas import Atlas
+from rrrobot.escape.bench import Bench, Outcome, Population
+from rrrobot.escape.bodies import capsules_of
+from rrrobot.escape.capsules import Capsules, clearances
+from rrrobot.escape.goals import goal_of
+from rrrobot.escape.limits import EscapeLimits, JointEnds, Rules, extent, joint_ends
+from rrrobot.escape.loss import rocking_damping, rocking_modes
+from rrrobot.escape.polish import judge, polish
+from rrrobot.escape.small import best_small, cost, small_gaits
+from rrrobot.escape.spaces import spaces, symmetric
+from rrrobot.momentum.coefficients import tree_of
+
+UP = np.array((0.0, 2.7, 0.3) * 2)
+"""Legs of `biped` upward."""
+
+
+@pytest.fixture(scope="module")
+def biped():
+    """Two legs of three joints on a box that rolls on a sphere."""
+    text = rr.robot.legged_urdf(2, body_size=(0.3, 0.2, 0.1), leg_mass=0.5)
+    return rr.Robot.from_urdf(text, shell=rr.Sphere(0.3), shell_center=(0, 0, 0.25))
+
+
+@pytest.fixture(scope="module")
+def bench(biped):
+    bare = rr.FullModel(biped, damping=None)
+    model = rr.FullModel(biped, damping=rocking_damping(bare, UP, 0.15))
+    shapes = rr.belly.Shapes.of(biped)
+    found = rocking_modes(model, UP)
+    capsules, limbs = capsules_of(biped, shapes, ())
+    made = Bench(model, capsules, limbs, min(m.decay_rate for m in found))
+    made.free_pairs(UP, 0.005)
+    return made
+
+
+# Capsules
+
+
+@pytest.mark.parametrize("curvature", [0.0, 2.5, -0.4])
+def test_capsules_stand_where_pinocchio_and_coal_put_them(curvature):
+    import coal
+
+    text = rr.robot.legged_urdf(3)
+    robot = rr.Robot.from_urdf(text, shell=rr.Sphere(0.3), shell_center=(0.01, 0, 0.25))
+    rng = np.random.default_rng(3)
+    n, m = 4, 8
+    body = rng.integers(0, robot.model.njoints - 1, m)
+    ends, radius = rng.normal(0, 0.1, (m, 2, 3)), rng.uniform(0.01, 0.03, m)
+    pairs = np.array([(i, j) for i in range(m) for j in range(i) if body[i] != body[j]])
+    capsules = Capsules(body, ends, radius, np.arange(m), pairs)
+    tree = tree_of(robot)
+    angle = rng.uniform(-2, 2, (n, 1, robot.n_legs))
+    normal = rng.normal(0, 0.2, (n, 1, 3)) + (0, 0, 1)
+    normal /= np.linalg.norm(normal, axis=2, keepdims=True)
+    s = rng.normal(0, 0.02, (n, 1, 3)) + (0, 0, 0.8)
+    height, least = clearances(tree, capsules, m, angle, normal, s, curvature)
+    apart = np.array([
+        clearances(tree, capsules._replace(pairs=pair[None]), m, angle, normal, s, curvature)[1]
+        for pair in pairs
+    ])  # fmt: skip
+    np.testing.assert_array_equal(least, apart.min(axis=0))
+    model, data = robot.model, robot.model.createData()
+    for g in range(n):
+        q = pin.neutral(model)
+        q[7:] = angle[g, 0]
+        pin.forwardKinematics(model, data, q)
+        shapes = []
+        for c in range(m):
+            place = data.oMi[int(body[c]) + 1]
+            a, b = (place.act(end) for end in ends[c])
+            turn = pin.Quaternion.FromTwoVectors(np.array((0.0, 0, 1)), b - a).toRotationMatrix()
+            shape = coal.Capsule(radius[c], np.linalg.norm(b - a))
+            shapes.append((shape, coal.Transform3s(turn, (a + b) / 2)))
+            # The contact is s below the origin, which is the shell's centre.
+            contact = robot.shell_placement.translation - s[g, 0]
+            if curvature == 0:
+                low = min(normal[g, 0] @ (a - contact), normal[g, 0] @ (b - contact))
+            else:
+                middle = contact - normal[g, 0] / curvature
+                t = np.linspace(0, 1, 20001)[:, None]
+                far = np.linalg.norm(a + t * (b - a) - middle, axis=1)
+                low = far.min() - 1 / curvature if curvature > 0 else -1 / curvature - far.max()
+            assert height[g, c] == pytest.approx(low - radius[c], abs=1e-8)
+        for (i, j), told in zip(pairs, apart[:, g], strict=True):
+            result = coal.DistanceResult()
+            coal.distance(*shapes[i], *shapes[j], coal.DistanceRequest(), result)
+            if result.min_distance > 1e-6:
+                assert told == pytest.approx(result.min_distance, abs=1e-5)
+            else:
+                assert told < 1e-5
+    assert (apart > 0).sum() > 20
+
+
+# Small gaits
+
+
+def test_forms_of_small_gaits_predict_travel_and_rocking(bench):
+    omega = 9.0
+    (small,) = small_gaits(bench, UP, np.array([omega]))
+    rng = np.random.default_rng(0)
+    a = 0.02 * (rng.normal(size=(6, 6)) + 1j * rng.normal(size=(6, 6)))
+    gaits = Population(
+        np.tile(UP, (6, 1)), a.real[:, None].copy(), a.imag[:, None].copy(), np.full(6, omega)
+    )
+    found = bench(gaits, forces=False, clearance=False)
+    told = np.real(np.einsum("nj,kjl,nl->nk", a.conj(), small.travel, a))
+    for k in range(3):
+        largest = np.abs(found.travel[:, k]).max()
+        np.testing.assert_allclose(told[:, k], found.travel[:, k], atol=0.01 * largest)
+    np.testing.assert_allclose(a @ small.rocking.T, found.rocking, atol=2e-3 * 0.1)
+    for form in small.travel:
+        np.testing.assert_allclose(form, form.conj().T, atol=1e-12)
+
+
+def test_no_small_gait_of_the_same_cost_is_better_than_the_eigenvector(bench):
+    (small,) = small_gaits(bench, UP, np.array([9.0]))
+    metric = cost(small, np.full(6, 0.5), 0.2)
+    form = small.travel[0]
+    (value, best), *_ = best_small(form, metric, np.eye(6), 1)
+    assert np.real(best.conj() @ metric @ best) == pytest.approx(1)
+    assert np.real(best.conj() @ form @ best) == pytest.approx(value)
+    rng = np.random.default_rng(1)
+    for _ in range(300):
+        a = rng.normal(size=6) + 1j * rng.normal(size=6)
+        size = np.real(a.conj() @ metric @ a)
+        assert np.real(a.conj() @ form @ a) / size <= value * (1 + 1e-9)
+
+
+def test_damping_gives_both_modes_their_ratio(biped):
+    bare = rr.FullModel(biped, damping=None)
+    model = rr.FullModel(biped, damping=rocking_damping(bare, UP, 0.08))
+    found = rocking_modes(model, UP)
+    ratios = [m.decay_rate / abs(m.eigenvalue) for m in found]
+    np.testing.assert_allclose(ratios, 0.08, rtol=0.05)
+
+
+# Symmetry
+
+
+def test_spaces_are_what_reflections_keep():
+    text = rr.robot.legged_urdf(4)
+    robot = rr.Robot.from_urdf(text, shell=rr.Sphere(0.3), shell_center=(0, 0, 0.25))
+    found = spaces(robot)
+    sizes = {}
+    for name, basis in found:
+        sizes.setdefault(name, []).append(basis.shape[1])
+        np.testing.assert_allclose(basis.T @ basis, np.eye(basis.shape[1]), atol=1e-12)
+    # Twelve joints; each reflection halves the space.
+    assert sizes == {
+        "all": [12], "alike": [3], "mirrored": [3, 3, 6], "opposite": [3, 3, 6],
+        "front-back": [6, 6], "diagonal": [6, 6], "one leg": [3] * 4,
+    }  # fmt: skip
+    (alike,) = (basis for name, basis in found if name == "alike")
+    names = [robot.legs[k] for k in np.flatnonzero(np.abs(alike[:, 0]) > 1e-9)]
+    assert {name.split("_")[1] for name in names} <= {"haa", "hfe", "kfe"}
+    posture = symmetric(robot, np.random.default_rng(0).normal(size=12))
+    np.testing.assert_allclose(symmetric(robot, posture), posture, atol=1e-12)
+
+
+def test_gaits_of_a_symmetric_space_do_not_travel_where_they_must_not(bench):
+    rng = np.random.default_rng(5)
+    for name, basis in spaces(bench.model.robot, ("mirrored", "opposite")):
+        m = basis.shape[1]
+        a = 0.1 * basis @ (rng.normal(size=m) + 1j * rng.normal(size=m))
+        offset = symmetric(bench.model.robot, UP + 0.1 * rng.normal(size=6))
+        gait = Population(offset[None], a.real[None, None], a.imag[None, None], np.array([9.0]))
+        ((x, y, turn),) = bench(gait, forces=False, clearance=False).travel
+        assert abs(y) < 1e-3 * max(abs(x), 1e-6), name
+        assert abs(turn) < 1e-3 * max(abs(x), 1e-6), name
+
+
+# Goals and limits
+
+
+def test_goals_say_where_they_lead():
+    travel = np.array([[0.3, 0.4, 0.01]])
+    ahead = np.rad2deg(np.arctan2(0.4, 0.3))
+    assert goal_of(f"direction:{ahead}").value(travel)[0] == pytest.approx(0.5)
+    assert goal_of(f"direction:{ahead}").slack(travel, 0.5).min() > 0.89
+    assert goal_of("forward").slack(travel, 0.5).min() < 0
+    assert goal_of("turn-right").value(travel)[0] == pytest.approx(-0.01)
+    assert goal_of("off:90").leans
+    for bad in ("up", "direction", "direction:x", "direction:inf", "off:"):
+        with pytest.raises(rr.ParameterError, match="must be one of forward, backward"):
+            goal_of(bad)
+
+
+def test_extent_of_gaits_with_harmonics():
+    rng = np.random.default_rng(2)
+    gaits = Population(
+        rng.normal(size=(3, 2)), rng.normal(size=(3, 2, 2)), rng.normal(size=(3, 2, 2)),
+        np.array((2.0, 5.0, 9.0)),
+    )  # fmt: skip
+    low, high, rate = extent(gaits)
+    for i in range(3):
+        motion = gaits.rows(np.array([i])).gait(np.linspace(0, 2 * np.pi / gaits[3][i], 4001))
+        np.testing.assert_allclose(low[i], motion.angle.min(axis=0), atol=0.02)
+        np.testing.assert_allclose(high[i], motion.angle.max(axis=0), atol=0.02)
+        np.testing.assert_allclose(rate[i], np.abs(motion.rate).max(axis=0), rtol=0.02)
+
+
+def test_effort_limits_that_limit_nothing_are_none():
+    strong = rr.robot.legged_urdf(2, max_torque=1000.0)
+    robot = rr.Robot.from_urdf(strong, shell=rr.Sphere(0.3))
+    assert set(joint_ends(robot, 0.4).unlimited) == set(robot.legs)
+    robot = rr.Robot.from_urdf(rr.robot.legged_urdf(2, max_torque=3.0), shell=rr.Sphere(0.3))
+    assert joint_ends(robot, 0.4).unlimited == ()
+
+
+# Polish
+
+
+class Landscape:
+    """Stands for a bench: travel and friction are closed forms of the first two offsets."""
+
+    def __call__(self, gaits):
+        n = len(gaits.offset)
+        x, y = gaits.offset[:, 0], gaits.offset[:, 1]
+        ones = np.ones(n)
+        return Outcome(
+            np.column_stack((1.0 + x + 0.5 * y, 0 * x, 0 * x)), 0 * ones, np.zeros((n, 2)),
+            np.zeros((n, 4, 2)), 0 * ones, ones, x**2 + y**2, np.zeros((n, 2)), ones,
+            np.ones((n, 2)), ones,
+        )  # fmt: skip
+
+
+def test_polish_finds_the_constrained_optimum():
+    ends = JointEnds(np.full(2, -9.0), np.full(2, 9.0), np.full(2, 99.0), np.full(2, np.inf), ())
+    rules = Rules(goal_of("forward"), EscapeLimits(friction=0.25), ends, 0.3, 0.4)
+    bench = Landscape()
+    start = Population(np.array([[0.1, -0.2]]), *[np.zeros((1, 1, 2))] * 2, np.array([5.0]))
+    begun = judge(rules, start, bench(start))[0]
+    best = polish(bench, rules, begun, np.full(2, 0.5), iterations=60)
+    # Within the circle of radius 1/2, x + y/2 is greatest along (2, 1).
+    assert best.valid and best.binding == ("friction",)
+    assert best.value == pytest.approx(1 + 0.5 * np.sqrt(1.25), rel=5e-3)
+    np.testing.assert_allclose(best.gait.offset[0], np.array((2, 1)) / np.sqrt(5) / 2, atol=0.03)
+
+
+# From the atlas to a gait
+
+
+def test_grown_gaits_keep_within_every_limit(bench):
+    ends = joint_ends(bench.model.robot, 0.3)
+    rules = Rules(goal_of("forward"), EscapeLimits(), ends, 0.25, 0.3)
+    atlas = Atlas(bench, bench.model, UP[None], ends, 0.25, ("all", "opposite"), (0.9, 1.1))
+    seeds = atlas.seeds(rules, 4)
+    assert seeds == sorted(seeds, key=lambda seed: -seed.predicted)
+    best = max(atlas.grown(rules, seeds), key=lambda one: (one.valid, one.value))
+    assert best.valid and best.value > 0.005
+    # What the engine says of it, the general model says too, joint by joint.
+    gait = best.gait.gait
+    period = gait.period
+    settled = np.ceil(bench.settle_time / period) * period
+    t = rr.simulate(bench.model, gait, settled + 4 * period, period / 96)
+    state, last = t.steady_state(start=settled - 1e-9), slice(-97, None)
+    np.testing.assert_allclose(state.velocity[0], best.value, rtol=2e-3)
+    torque = np.abs(t.leg_torque[last]).max(axis=0)
+    np.testing.assert_allclose(best.outcome.torque[0], torque, rtol=5e-3, atol=1e-3)
+    assert best.outcome.friction[0] == pytest.approx(t.required_friction[last].max(), rel=5e-3)
+    # The search sees the tilt at the engine's steps only.
+    tilt = np.arccos(np.cos(t.euler[last, 0]) * np.cos(t.euler[last, 1])).max()
+    assert 0.97 * tilt < best.outcome.most_tilt[0] <= tilt * (1 + 1e-4)
+
+
+def test_a_robot_that_tips_is_told(biped):
+    high = rr.Robot.from_urdf(biped.urdf, shell=rr.Sphere(0.07), shell_center=(0, 0, 0.02))
+    with pytest.raises(rr.ModelError, match="it tips over, or does not rest"):
+        rocking_damping(rr.FullModel(high, damping=None), UP, 0.1)
+    with pytest.raises(rr.ModelError, match="at most 0.5"):
+        rocking_damping(rr.FullModel(biped, damping=None), UP, 0.7)
+
+
+def test_groups_that_do_not_exist_are_refused(biped):
+    with pytest.raises(rr.ParameterError, match="group is 'twins': it must be one of all, alike"):
+        spaces(biped, ("twins",))
+    with pytest.raises(rr.ParameterError, match="friction is 0"):
+        EscapeLimits(friction=0.0)
