@@ -3,6 +3,7 @@ from rrrobot import constraints as constraints
 from rrrobot import contact as contact
 from rrrobot import drive as drive
 from rrrobot import errors as errors
+from rrrobot import escape as escape
 from rrrobot import figures as figures
 from rrrobot import kkt as kkt
 from rrrobot import machines as machines
@@ -66,6 +67,7 @@ from rrrobot.errors import SweepError as SweepError
 from rrrobot.errors import SweepInterrupted as SweepInterrupted
 from rrrobot.errors import UrdfError as UrdfError
 from rrrobot.errors import UrdfWarning as UrdfWarning
+from rrrobot.escape.story import unstick as unstick
 from rrrobot.kkt import kkt_build as kkt_build
 from rrrobot.kkt import kkt_solve as kkt_solve
 from rrrobot.models.full import FullModel as FullModel

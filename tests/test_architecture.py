@@ -34,6 +34,7 @@ LAYERS = (
     ("studies",),
     ("figures", "steering"),
     ("view",),
+    ("escape",),
     ("paper",),
     ("cli",),
     ("__main__",),

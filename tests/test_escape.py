@@ -57,9 +57,9 @@ def test_capsules_stand_where_pinocchio_and_coal_put_them(curvature):
     capsules = Capsules(body, ends, radius, np.arange(m), pairs)
     tree = tree_of(robot)
     angle = rng.uniform(-2, 2, (n, 1, robot.n_legs))
-    normal = rng.normal(0, 0.2, (n, 1, 3)) + (0, 0, 1)
+    normal = rng.normal(0, 0.2, (n, 1, 3)) + np.array((0, 0, 1))
     normal /= np.linalg.norm(normal, axis=2, keepdims=True)
-    s = rng.normal(0, 0.02, (n, 1, 3)) + (0, 0, 0.8)
+    s = rng.normal(0, 0.02, (n, 1, 3)) + np.array((0, 0, 0.8))
     height, least = clearances(tree, capsules, m, angle, normal, s, curvature)
     apart = np.array([
         clearances(tree, capsules._replace(pairs=pair[None]), m, angle, normal, s, curvature)[1]
@@ -274,7 +274,7 @@ def test_a_robot_that_tips_is_told(biped):
     high = rr.Robot.from_urdf(biped.urdf, shell=rr.Sphere(0.07), shell_center=(0, 0, 0.02))
     with pytest.raises(rr.ModelError, match="it tips over, or does not rest"):
         rocking_damping(rr.FullModel(high, damping=None), UP, 0.1)
-    with pytest.raises(rr.ModelError, match="at most 0.5"):
+    with pytest.raises(rr.ModelError, match="needs one of at most"):
         rocking_damping(rr.FullModel(biped, damping=None), UP, 0.7)
 
 

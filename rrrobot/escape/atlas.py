@@ -13,7 +13,15 @@ from rrrobot.escape.bench import Bench, Population
 from rrrobot.escape.limits import JointEnds, Rules
 from rrrobot.escape.loss import rocking_modes
 from rrrobot.escape.polish import Judged, judge
-from rrrobot.escape.small import Complex, SmallGaits, best_small, cost, leaning, small_gaits
+from rrrobot.escape.small import (
+    Complex,
+    SmallGaits,
+    best_small,
+    cost,
+    leaning,
+    small_gaits,
+    straight,
+)
 from rrrobot.escape.spaces import spaces
 from rrrobot.models.base import Model
 
@@ -25,6 +33,8 @@ _WAYS = 2
 _MOST_SWING = 0.8
 """Swing of a joint that makes a unit [rad]."""
 _ALIKE = 0.9
+_ASIDE = -4.0
+"""Slack of a seed that goes elsewhere too: polishing leads it back."""
 
 
 class Seed(NamedTuple):
@@ -106,9 +116,15 @@ class Atlas:
                 continue
             form = np.tensordot(rules.goal.weights, small.travel, 1)
             for group, basis in self.spaces:
-                for value, a in best_small(form, metric, basis, _WAYS):
+                ways = best_small(form, metric, basis, _WAYS)
+                if group == "all" and ways and not rules.goal.turns:
+                    x, y, _ = rules.goal.weights
+                    aside = (x * small.travel[1] - y * small.travel[0], small.travel[2])
+                    ways.append(straight(form, aside, metric))
+                for _, a in ways:
                     travel = np.real(np.einsum("j,kjl,l->k", a.conj(), small.travel, a))
-                    if rules.goal.slack(travel[None], rules.length).min(initial=1.0) > 0:
+                    if rules.goal.slack(travel[None], rules.length).min(initial=1.0) > _ASIDE:
+                        value = float(rules.goal.value(travel[None])[0])
                         found.append(Seed(value, group, small, a))
         found.sort(key=lambda seed: -seed.predicted)
         chosen: list[Seed] = []

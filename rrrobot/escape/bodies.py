@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 
-from rrrobot.belly.shapes import Shapes
+from rrrobot.belly.shapes import Piece, Shapes
 from rrrobot.checks import Array
 from rrrobot.errors import ParameterError
 from rrrobot.escape.capsules import Capsules
@@ -25,18 +25,31 @@ def capsules_of(robot: Robot, shapes: Shapes, covered: tuple[str, ...]) -> tuple
     chains = leg_chains(robot)
     limb_of = {robot.legs[k]: i for i, chain in enumerate(chains) for k in chain}
     body, ends, radius, limb = [], [], [], []
-    for piece, (_, first, second, r) in zip(shapes.pieces, shapes.capsules, strict=True):
-        frame = model.frames[model.getFrameId(piece.link, pin.FrameType.BODY)]
-        body.append(frame.parentJoint - 1)
+    placed = Shapes(robot, tuple(placed_on(robot, shapes)))
+    for piece, (_, first, second, r) in zip(placed.pieces, placed.capsules, strict=True):
+        body.append(piece.joint - 1)
         ends.append((first, second))
         radius.append(r)
-        name = model.names[frame.parentJoint]
-        free = piece.link in covered or frame.parentJoint <= 1
+        name = model.names[piece.joint]
+        free = piece.link in covered or piece.joint <= 1
         limb.append(len(chains) if free else limb_of.get(name, len(chains)))
     return Capsules(
         np.array(body, dtype=np.int64), np.array(ends).reshape(-1, 2, 3), np.array(radius),
         np.array(limb, dtype=np.int64), np.array(shapes.pairs, dtype=np.int64).reshape(-1, 2),
     ), len(chains)  # fmt: skip
+
+
+def placed_on(robot: Robot, shapes: Shapes) -> list[Piece]:
+    """The pieces on the joints of a robot of the same URDF, some of whose joints may be held."""
+    model, own = robot.model, shapes.robot.model
+    found = []
+    for piece in shapes.pieces:
+        before = own.frames[own.getFrameId(piece.link, pin.FrameType.BODY)].placement
+        frame = model.frames[model.getFrameId(piece.link, pin.FrameType.BODY)]
+        move = frame.placement * before.inverse()
+        points = piece.points @ move.rotation.T + move.translation
+        found.append(Piece(piece.link, int(frame.parentJoint), points, piece.radius))
+    return found
 
 
 def base_length(shapes: Shapes) -> float:

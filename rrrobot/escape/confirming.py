@@ -13,23 +13,25 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from rrrobot.belly.feasible import MotionLimits, feasibility
 from rrrobot.belly.found import Belly
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import FourierGait, RampIn
-from rrrobot.errors import SimulationError, SimulationInterrupted
+from rrrobot.errors import ModelError, SimulationError, SimulationInterrupted
 from rrrobot.escape.bench import Bench
 from rrrobot.escape.goals import Escape
+from rrrobot.escape.holding import held
 from rrrobot.escape.limits import Rules
 from rrrobot.escape.polish import Judged
 from rrrobot.inline import html_table
 from rrrobot.models.base import Model
+from rrrobot.orbits.oscillations import equilibrium
+from rrrobot.rotations import euler_from_quaternion
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.trajectory import Trajectory
 
 AGREE = 0.01
 """Largest relative difference of engine and KKT model that a gait may have."""
-RAMP = 3
+RAMP = 6
 """Cycles of blending in."""
 _COUNTED = 4
 _SAMPLES = 48
@@ -130,8 +132,9 @@ def confirm(model: Model, bench: Bench, rules: Rules, one: Judged, belly: Belly)
     settled = _Settled(np.full(3, np.nan), math.nan, math.inf)
     try:
         run = last = simulate(
-            model, drive, start + _COUNTED * period, period / _SAMPLES, start="rest"
-        )
+            model, drive, start + _COUNTED * period, period / _SAMPLES, start="rest",
+            euler=_rest(model, drive(0.0).angle),
+        )  # fmt: skip
     except SimulationInterrupted:
         raise
     except SimulationError as error:
@@ -143,12 +146,8 @@ def confirm(model: Model, bench: Bench, rules: Rules, one: Judged, belly: Belly)
         settled = _settled(run, start, one, rules)
         steps = max(_SAMPLES, math.ceil(period / _FINE))
         last = simulate(model, drive, period, period / steps, state=run.final_state)
-    limits = MotionLimits(
-        friction=rules.limits.friction, normal_force=rules.limits.normal_force,
-        clearance=0.0, separation=0.0,
-    )  # fmt: skip
-    whole, fine = (feasibility(part, limits, belly=belly) for part in (run, last))
-    problems += [str(broken) for broken in (*whole.violations, *fine.violations)]
+    whole, fine = (held(part, rules, belly) for part in (run, last))
+    problems += [*whole.broken, *fine.broken]
     if settled.discrepancy > AGREE and not problems:
         problems.append(
             f"engine and KKT model differ by {100 * settled.discrepancy:.2g} %: the motion is not "
@@ -158,11 +157,11 @@ def confirm(model: Model, bench: Bench, rules: Rules, one: Judged, belly: Belly)
     power = float(np.abs(last.leg_torque * last.leg_rate).sum(axis=1).mean())
     per = "energy_per_radian" if rules.goal.turns else "energy_per_metre"
     measured = {
-        "friction": float(last.required_friction.max()),
-        "normal_force": float(last.normal_force.min() / bench.weight),
-        "tilt": float(fine.margins["tilt"].value),
-        "clearance": float(fine.margins["clearance"].value),
-        "separation": float(fine.margins["separation"].value),
+        "friction": fine.friction,
+        "normal_force": fine.normal_force,
+        "tilt": fine.tilt,
+        "clearance": fine.clearance,
+        "separation": fine.separation,
         "power": power,
         per: power / settled.value if settled.value > 0 else math.nan,
     }
@@ -173,6 +172,15 @@ def confirm(model: Model, bench: Bench, rules: Rules, one: Judged, belly: Belly)
         torque_share=np.where(np.isfinite(rules.ends.effort), torque / rules.ends.effort, np.nan),
         discrepancy=settled.discrepancy, trajectory=run,
     )  # fmt: skip
+
+
+def _rest(model: Model, leg_angle: Array) -> Array:
+    """Roll, pitch, yaw of the rest with the legs held, or upright where there is none."""
+    try:
+        pose = equilibrium(model, leg_angle)
+    except ModelError:
+        return np.zeros(3)
+    return euler_from_quaternion(model.place(pose).quaternion)
 
 
 def _settled(run: Trajectory, start: float, one: Judged, rules: Rules) -> _Settled:

@@ -15,8 +15,8 @@ import numpy as np
 from rrrobot.checks import Array, finite
 from rrrobot.drive.damping import BodyRateDamping
 from rrrobot.errors import ModelError
-from rrrobot.models.full import FullModel
 from rrrobot.models.base import Model
+from rrrobot.models.full import FullModel
 from rrrobot.orbits.oscillations import Mode, modes
 
 RATIO = 0.1

@@ -17,6 +17,7 @@ reach is for the engine to say.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -109,6 +110,31 @@ def best_small(
         if value > 0:
             found.append((float(value), basis @ z))
     return found
+
+
+def straight(form: Complex, aside: Sequence[Complex], metric: Complex) -> tuple[float, Complex]:
+    """The best small gait that does nothing aside, or next to nothing, and its value.
+
+    The greatest a^H H a with a^H H_i a = 0 and a^H M a = 1 is the least of the largest eigenvalues
+    of H + sum_i mu_i H_i over mu, a convex function: for one such condition exactly (Toeplitz and
+    Hausdorff), for two from three joints on.
+    """
+    from scipy.optimize import minimize
+
+    root = np.linalg.inv(np.linalg.cholesky(metric))
+    whole, *others = (root @ part @ root.conj().T for part in (form, *aside))
+    scale = [np.linalg.norm(whole) / max(float(np.linalg.norm(part)), 1e-300) for part in others]
+
+    def mixed(mu: Array) -> Complex:
+        parts = zip(mu, scale, others, strict=True)
+        return np.asarray(whole + sum(m * s * part for m, s, part in parts))
+
+    found = minimize(
+        lambda mu: float(np.linalg.eigvalsh(mixed(mu))[-1]), np.zeros(len(others)),
+        method="Nelder-Mead", options={"maxiter": 80, "xatol": 1e-3, "fatol": 1e-12},
+    )  # fmt: skip
+    values, vectors = np.linalg.eigh(mixed(found.x))
+    return float(values[-1]), np.asarray(root.conj().T @ vectors[:, -1])
 
 
 def leaning(small: SmallGaits, metric: Complex, ahead: float, left: float) -> Complex:

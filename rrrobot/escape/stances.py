@@ -12,9 +12,9 @@ from rrrobot.escape.spaces import symmetric
 from rrrobot.robot.joints import JointIndex
 from rrrobot.robot.robot import Robot
 
-_TRIED = 512
-_WIDEST = 0.7
-"""Of the deviations from the first posture [rad]."""
+_TRIED = 1024
+_WIDEST = 1.6
+"""Of the deviations from the first posture, before images are averaged [rad]."""
 _UNLIKE = 0.35
 """Root mean square distance of postures from each other [rad]."""
 
@@ -23,13 +23,17 @@ def stances(
     robot: Robot, bench: Bench, first: Array, ends: JointEnds, limits: EscapeLimits, count: int,
     seed: int = 0,
 ) -> Array:  # fmt: skip
-    """The first posture and others (k, legs), at most `count`, from low centres of mass up.
+    """The first posture and others (k, legs), at most `count`: by turns clear and low ones.
 
     Each is its own image under the robot's symmetries, has room to swing, and keeps the limbs clear
     of the ground and of each other in the upright pose.
     """
     rng = np.random.default_rng(seed)
-    tried = first + rng.uniform(-_WIDEST, _WIDEST, (_TRIED, robot.n_legs))
+    tried = np.vstack((
+        first + rng.uniform(-_WIDEST, _WIDEST, (_TRIED // 2, robot.n_legs)),
+        rng.uniform(np.maximum(ends.lower, -np.pi), np.minimum(ends.upper, np.pi),
+                    (_TRIED // 2, robot.n_legs)),
+    ))  # fmt: skip
     room = np.minimum(0.15, (ends.upper - ends.lower) / 4)
     tried = np.clip([symmetric(robot, row) for row in tried], ends.lower + room, ends.upper - room)
     height, apart = bench.still(np.vstack((first, tried)))
@@ -38,13 +42,19 @@ def stances(
         2 * limits.clearance, height[0, :-1].min(initial=np.inf)
     )
     clear &= apart[1:] >= min(2 * limits.separation, apart[0])
-    mass = center_heights(robot, np.vstack((first, tried)))
-    order = np.argsort(mass[1:], kind="stable")
+    tried, room_below = tried[clear], height[1:, :-1].min(axis=1, initial=1.0)[clear]
+    orders = [
+        np.argsort(center_heights(robot, tried), kind="stable"),
+        np.argsort(-room_below, kind="stable"),
+    ]
     found = [first]
-    for row in tried[order[clear[order]]]:
-        gaps = [np.sqrt(np.mean((row - other) ** 2)) for other in found]
-        if len(found) < count and min(gaps) > _UNLIKE:
-            found.append(row)
+    while len(found) < count and any(order.size for order in orders):
+        order = orders[len(found) % 2]
+        gaps = np.min([np.sqrt(np.mean((tried - one) ** 2, axis=1)) for one in found], axis=0)
+        unlike = order[gaps[order] > _UNLIKE]
+        if not unlike.size:
+            break
+        found.append(tried[unlike[0]])
     return np.array(found)
 
 

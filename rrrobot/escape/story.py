@@ -6,8 +6,6 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from rrrobot.belly.fit import fit_belly
 from rrrobot.belly.found import Belly
 from rrrobot.contact.boulder import Boulder
