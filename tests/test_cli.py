@@ -566,7 +566,10 @@ def test_robots() -> None:
     pytest.importorskip("example_robot_data")
     data = json.loads(good("robots", "--json").stdout)
     assert data[0]["name"] == "rrrobot"
-    assert {robot["name"] for robot in data[1:]} == set(rr.robot.example_robots())
+    names = [robot["name"] for robot in data if robot["source"] == "example-robot-data"]
+    assert names == list(rr.robot.example_robots())
+    tried = {robot["name"] for robot in data if robot.get("unstick")}
+    assert {"solo12", "legged:6"} <= tried and "baxter" not in tried
     assert "solo12" in good("robots").stdout
 
 
@@ -577,7 +580,9 @@ def test_robots_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rrrobot.cli.view.example_robots", missing)
     result = run("robots")
     assert result.exit_code == 0
-    assert result.stdout.splitlines() == ["rrrobot  built in: Table 2 of the paper"]
+    first, *others = result.stdout.splitlines()
+    assert first.split(maxsplit=1) == ["rrrobot", "built in: Table 2 of the paper"]
+    assert others and all(line.startswith("* legged:") for line in others)
     assert "extra 'robots'" in result.stderr
 
 

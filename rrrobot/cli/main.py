@@ -28,6 +28,7 @@ from rrrobot.cli.reproduce import reproduce_command
 from rrrobot.cli.sensitivity import sensitivity_command
 from rrrobot.cli.simulate import simulate
 from rrrobot.cli.sweep import sweep_command
+from rrrobot.cli.unstick import unstick_command
 from rrrobot.cli.view import robots, view
 from rrrobot.errors import RRRobotError, shortened
 
@@ -86,6 +87,7 @@ for _command in (
     continue_command,
     sensitivity_command,
     lab_command,
+    unstick_command,
     view,
     robots,
 ):

@@ -5,9 +5,10 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import FourierGait
@@ -41,7 +42,7 @@ class Population(NamedTuple):
     angular_frequency: Array
     """(n,) [rad/s]"""
 
-    def rows(self, which: Array) -> Population:
+    def rows(self, which: NDArray[Any]) -> Population:
         """Some of them."""
         return Population(*(part[which] for part in self))
 
@@ -61,7 +62,7 @@ class Outcome(NamedTuple):
     """v_x, v_y and yaw rate (n, 3) [m/s, rad/s]"""
     variation: Array
     """of the steps from cycle to cycle, over the step (n,)"""
-    rocking: Array
+    rocking: NDArray[np.complex128]
     """roll's and pitch's response, amplitude and phase as complex numbers (n, 2) [rad]"""
     tilt: Array
     """of the base's z axis: its lean (x, y) through the last cycle (n, steps, 2) [rad]"""
@@ -85,7 +86,7 @@ class Outcome(NamedTuple):
         """Largest tilt of the last cycle (n,) [rad]."""
         return np.asarray(np.linalg.norm(self.tilt, axis=2).max(axis=1))
 
-    def rows(self, which: Array) -> Outcome:
+    def rows(self, which: NDArray[Any]) -> Outcome:
         """Some of them."""
         return Outcome(*(part[which] for part in self))
 
@@ -135,7 +136,7 @@ class Bench:
         order = np.argsort(cycles, kind="stable")
         chunks = [order[i : i + _CHUNK] for i in range(0, n, _CHUNK)]
 
-        def run(rows: Array) -> Outcome:
+        def run(rows: NDArray[Any]) -> Outcome:
             some = gaits.rows(rows)
             return self._chunk(some, cycles[rows], forces=forces, clearance=clearance)
 
@@ -171,7 +172,9 @@ class Bench:
                 kept.append(pair)
         self.capsules = whole._replace(pairs=np.array(kept, dtype=np.int64).reshape(-1, 2))
 
-    def _chunk(self, gaits: Population, cycles: Array, *, forces: bool, clearance: bool) -> Outcome:
+    def _chunk(
+        self, gaits: Population, cycles: NDArray[np.int64], *, forces: bool, clearance: bool
+    ) -> Outcome:
         n, legs = gaits.offset.shape
         steps = _STEPS + 8 * (gaits.sine.shape[1] - 1)
         legs_of = FourierGaits(*gaits)

@@ -9,6 +9,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
@@ -78,7 +79,7 @@ def find_gaits(
         share = _FIRST_SHARE * (n + 1) / _STARTS if harmonics > 1 else (n + 1) / _STARTS
         if spent(share):
             continue
-        one = polish(bench, rules, found[i], rooms[i], stop=lambda share=share: spent(share))
+        one = polish(bench, rules, found[i], rooms[i], stop=partial(spent, share))
         polished.append((one, rooms[i]))
     if harmonics > 1:
         for i in _ordered(range(len(polished)), [one for one, _ in polished])[:_ENRICHED]:

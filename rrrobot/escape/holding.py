@@ -89,7 +89,8 @@ def distances(run: Trajectory, belly: Belly) -> tuple[Array, Array, list[str], l
     ]
     geometry = geometry_model(pieces, belly.shapes.pairs)
     model = robot.model
-    rock = None
+    rock, fixed = None, ground.fixed_normal
+    ground_normal = np.zeros(3) if fixed is None else fixed
     if isinstance(ground, Boulder) and ground.radius > 0:
         rock = _Rock(ground, [coal_shape(pieces[i]) for i in free])
     elif not isinstance(ground, Plane):
@@ -108,7 +109,7 @@ def distances(run: Trajectory, belly: Belly) -> tuple[Array, Array, list[str], l
         else:
             gaps = [
                 float((pieces[i].points @ at.rotation.T + at.translation).dot(
-                    ground.normal_vector).min()) - pieces[i].radius
+                    ground_normal).min()) - pieces[i].radius
                 for i, at in zip(free, places, strict=True)
             ]  # fmt: skip
         if gaps:

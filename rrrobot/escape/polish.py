@@ -173,4 +173,4 @@ def _linear_step(slope: Array, slack: Array, lean: Array, radius: float) -> Arra
         b_ub=slack[near] if k else None,
         bounds=[(-radius, radius)] * m + [(0, None)] * k,
     )
-    return np.asarray(found.x[:m]) if found.status == 0 else radius * np.sign(slope)
+    return radius * np.sign(slope) if found.x is None else np.asarray(found.x[:m])

@@ -82,7 +82,7 @@ def _film(gait: EscapeGait, path: Path) -> Path:
     run = gait.trajectory
     last = gait.ramp + max(_SHOWN, 4 * (gait.gait.period or 0.0))
     n = int(np.searchsorted(run.time, last))
-    arrays = {
+    arrays: dict[str, Any] = {
         key: value[:n]
         for key, value in vars(run).items()
         if isinstance(value, np.ndarray) and len(value) == len(run.time)

@@ -18,7 +18,7 @@ reach is for the engine to say.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import scipy.linalg
@@ -73,7 +73,7 @@ def small_gaits(bench: Bench, offset: Array, omegas: Array) -> list[SmallGaits]:
         # |a_j + a_k|: 2 Re H_jk; with a_k = i: 2 Re(i H_jk) = -2 Im H_jk.
         mixed = 0.5 * (inphase - own) - 0.5j * (quarter - own)
         form[:, first, second], form[:, second, first] = mixed.T, mixed.conj().T
-        rocking = found.rocking[here][:legs].T / SMALL
+        rocking: Complex = found.rocking[here][:legs].T / SMALL
         out.append(SmallGaits(offset, float(omega), form, rocking))
     return out
 
@@ -129,9 +129,14 @@ def straight(form: Complex, aside: Sequence[Complex], metric: Complex) -> tuple[
         parts = zip(mu, scale, others, strict=True)
         return np.asarray(whole + sum(m * s * part for m, s, part in parts))
 
+    options: Any = {"maxiter": 80, "xatol": 1e-3, "fatol": 1e-12}
+
+    def largest(mu: Array) -> float:
+        return float(np.linalg.eigvalsh(mixed(mu))[-1])
+
     found = minimize(
-        lambda mu: float(np.linalg.eigvalsh(mixed(mu))[-1]), np.zeros(len(others)),
-        method="Nelder-Mead", options={"maxiter": 80, "xatol": 1e-3, "fatol": 1e-12},
+        largest, np.zeros(len(others)),
+        method="Nelder-Mead", options=options,
     )  # fmt: skip
     values, vectors = np.linalg.eigh(mixed(found.x))
     return float(values[-1]), np.asarray(root.conj().T @ vectors[:, -1])

@@ -45,7 +45,7 @@ def spaces(robot: Robot, groups: Sequence[str] = GROUPS) -> list[tuple[str, Arra
         found = symmetry_of(robot, kind)
         if found is not None:
             maps[kind] = np.array([found.image(row) for row in np.eye(n)]).T
-    signs = {
+    signs: dict[str, list[dict[str, int]]] = {
         "all": [{}],
         "alike": [dict.fromkeys(_REFLECTIONS, 1)],
         "mirrored": [{"left-right": 1, "front-back": e} for e in (1, -1)] + [{"left-right": 1}],

@@ -7,6 +7,11 @@ from typing import Any
 
 from rrrobot.errors import MissingExtraError, UrdfError
 
+UNSTICK = (
+    "solo8", "solo12", "anymal", "anymal_c", "a1", "go1", "go2", "b1", "laikago", "hyq", "bolt",
+)  # fmt: skip
+"""Robots whose bellies and gaits are tried: `rrrobot unstick` runs on them out of the box."""
+
 
 def example_robots() -> tuple[str, ...]:
     """Names that `Robot.from_example` takes (extra `robots`).

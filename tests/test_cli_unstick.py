@@ -1,0 +1,71 @@
+"""`rrrobot unstick`, in this process: on RRRobot, whose belly is a sphere."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from click.testing import CliRunner, Result
+
+import rrrobot as rr
+from rrrobot.cli.main import cli
+
+QUICK = ("rrrobot", "--goal", "left", "--budget", "600", "--postures", "2")
+
+
+def run(*args: object) -> Result:
+    return CliRunner().invoke(cli, ["unstick", *map(str, args)])
+
+
+def test_the_whole_story_and_how_it_goes_on(tmp_path: Path) -> None:
+    result = run(*QUICK, "--out", tmp_path / "free")
+    assert result.exit_code == 0, result.output
+    for text in ("Belly(round belly of rrrobot", "mode: pitch", "left", "mm/s",
+                 "least clearance from the ground", "engine and KKT model differ by"):  # fmt: skip
+        assert text in result.stdout, text
+    names = {path.name for path in (tmp_path / "free").iterdir()}
+    assert names == {
+        "report.html", "unstick.json", "left.html", "left.json", "left.csv", "left.ros.json",
+        "left.npz",
+    }  # fmt: skip
+    page = (tmp_path / "free/report.html").read_text()
+    # It stands by itself: nothing is loaded from elsewhere.
+    assert 'src="http' not in page and "<script" not in page and "data:image/png" in page
+    assert "NOT MET" not in page and "<h2>left</h2>" in page
+    gait = rr.read_gait(tmp_path / "free/left.json")
+    assert gait.n_legs == 2
+    # Again: what is there is not searched anew, and its numbers are the same.
+    again = run(*QUICK, "--out", tmp_path / "free", "--json", "--no-films")
+    assert again.exit_code == 0, again.output
+    told = json.loads(again.stdout)
+    kept = json.loads((tmp_path / "free/unstick.json").read_text())
+    assert told["gaits"] == kept["gaits"]
+    assert told["gaits"]["left"][0]["met"] is True
+    assert rr.gait_from_dict(told["gaits"]["left"][0]["gait"]).to_dict() == gait.to_dict()
+    # Another ground is another story.
+    other = run(*QUICK, "--ground", "slope:2", "--out", tmp_path / "free")
+    assert other.exit_code == 1 and "another robot, ground or limits" in other.stderr
+
+
+def test_what_is_out_of_reach_is_told() -> None:
+    result = run(*QUICK, "--friction", "0.001")
+    assert result.exit_code == 1
+    assert "Try" in result.stderr and "Traceback" not in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("args", "message"),
+    [
+        (("rrrobot", "--goal", "up"), "goal is 'up': it must be one of forward"),
+        (("rrrobot", "--group", "twins"), "group is 'twins'"),
+        (("rrrobot", "--joints", "leg_9"), "joint 'leg_9' is none of the robot's"),
+        (("legged:six",), "write legged:N or legged:NxJ"),
+        (("rrrobot", "--postures", "0"), "postures is 0"),
+        (("no_such_robot.urdf",), "no_such_robot.urdf"),
+    ],
+)
+def test_bad_input_is_one_line(args: tuple[str, ...], message: str) -> None:
+    result = run(*args)
+    assert result.exit_code == 1
+    assert message in result.stderr and len(result.stderr.splitlines()) == 1
