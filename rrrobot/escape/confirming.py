@@ -31,8 +31,8 @@ from rrrobot.simulation.trajectory import Trajectory
 
 AGREE = 0.01
 """Largest relative difference of engine and KKT model that a gait may have."""
-RAMP = 6
-"""Cycles of blending in."""
+RAMPS = (8, 24)
+"""Cycles of blending in: the second where the first breaks a limit that the settled cycle keeps."""
 _COUNTED = 4
 _SAMPLES = 48
 _FINE = 1e-3
@@ -126,27 +126,30 @@ def confirm(model: Model, bench: Bench, rules: Rules, one: Judged, belly: Belly)
     """
     gait = one.gait.gait
     period = gait.period or 0.0
-    drive = RampIn(gait, RAMP * period)
-    start = np.ceil(bench.settle_time / period + RAMP) * period
-    problems: list[str] = []
-    settled = _Settled(np.full(3, np.nan), math.nan, math.inf)
-    try:
-        run = last = simulate(
-            model, drive, start + _COUNTED * period, period / _SAMPLES, start="rest",
-            euler=_rest(model, drive(0.0).angle),
-        )  # fmt: skip
-    except SimulationInterrupted:
-        raise
-    except SimulationError as error:
-        if error.trajectory is None:
+    for ramp in RAMPS:
+        drive = RampIn(gait, ramp * period)
+        start = np.ceil(bench.settle_time / period + ramp) * period
+        problems: list[str] = []
+        settled = _Settled(np.full(3, np.nan), math.nan, math.inf)
+        try:
+            run = last = simulate(
+                model, drive, start + _COUNTED * period, period / _SAMPLES, start="rest",
+                euler=_rest(model, drive(0.0).angle),
+            )  # fmt: skip
+        except SimulationInterrupted:
             raise
-        run = last = error.trajectory
-        problems.append(str(error).partition(". State")[0])
-    else:
-        settled = _settled(run, start, one, rules)
-        steps = max(_SAMPLES, math.ceil(period / _FINE))
-        last = simulate(model, drive, period, period / steps, state=run.final_state)
-    whole, fine = (held(part, rules, belly) for part in (run, last))
+        except SimulationError as error:
+            if error.trajectory is None:
+                raise
+            run = last = error.trajectory
+            problems.append(str(error).partition(". State")[0])
+        else:
+            settled = _settled(run, start, one, rules)
+            steps = max(_SAMPLES, math.ceil(period / _FINE))
+            last = simulate(model, drive, period, period / steps, state=run.final_state)
+        whole, fine = (held(part, rules, belly) for part in (run, last))
+        if problems or fine.broken or not whole.broken:
+            break
     problems += [*whole.broken, *fine.broken]
     if settled.discrepancy > AGREE and not problems:
         problems.append(
@@ -166,7 +169,7 @@ def confirm(model: Model, bench: Bench, rules: Rules, one: Judged, belly: Belly)
         per: power / settled.value if settled.value > 0 else math.nan,
     }
     return EscapeGait(
-        goal=rules.goal, gait=gait, ramp=RAMP * period, value=settled.value,
+        goal=rules.goal, gait=gait, ramp=drive.duration, value=settled.value,
         travel=settled.travel, met=not problems, shortfalls=tuple(dict.fromkeys(problems)),
         binding=one.binding, measured=measured, torque=torque,
         torque_share=np.where(np.isfinite(rules.ends.effort), torque / rules.ends.effort, np.nan),

@@ -68,6 +68,11 @@ class Escape:
         turn = travel[:, 2] * length / along
         return np.column_stack([1 - part / ASIDE for part in (across, -across, turn, -turn)])
 
+    @property
+    def file_name(self) -> str:
+        """The name as part of a file's."""
+        return self.name.replace(" ", "_").replace(":", "_").replace("-", "minus")
+
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
         return {"name": self.name, "weights": list(self.weights), "unit": self.unit}

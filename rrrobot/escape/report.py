@@ -16,7 +16,7 @@ import base64
 from dataclasses import replace
 from html import escape
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -24,9 +24,11 @@ from rrrobot.checks import Array
 from rrrobot.drawing import COLOURS, FONT, line, new_figure, tidy
 from rrrobot.drive.tables import gait_table, write_gait
 from rrrobot.escape.confirming import EscapeGait
-from rrrobot.escape.unstuck import Unstuck, file_name
 from rrrobot.files import write_whole
 from rrrobot.inline import html_table, png
+
+if TYPE_CHECKING:
+    from rrrobot.escape.unstuck import Unstuck
 
 _RATE = 200.0
 """Set-points a second [1/s]."""
@@ -58,7 +60,7 @@ def write_report(found: Unstuck, folder: str | Path, *, films: bool = True) -> l
     written: list[Path] = []
     for goal in found.goals:
         for i, gait in enumerate(found.found.get(goal.name, ())):
-            name = file_name(goal.name) + ("" if i == 0 else f"_{i + 1}")
+            name = goal.file_name + ("" if i == 0 else f"_{i + 1}")
             written += _robot_files(gait, place, name)
             if films:
                 written.append(_film(gait, place / f"{name}.html"))
@@ -131,7 +133,9 @@ def _summary(found: Unstuck, *, films: bool) -> str:
     links = []
     if films:
         links = [
-            f'<a href="{file_name(name)}.html">film: {escape(name)}</a>' for name in found.found
+            f'<a href="{goal.file_name}.html">film: {escape(goal.name)}</a>'
+            for goal in found.goals
+            if goal.name in found.found
         ]
     return html_table("Ways", rows, head=head) + "<p>" + " · ".join(links) + "</p>"
 

@@ -42,9 +42,9 @@ class Unstuck:
 
     Example:
         >>> import rrrobot as rr
-        >>> found = rr.unstick(rr.Robot.from_parameters(), goals=["left"], budget=600)
-        >>> found.reasons
-        {}
+        >>> found = rr.unstick("solo12", goals=["forward"])  # doctest: +SKIP
+        >>> found.best("forward").met, found.reasons  # doctest: +SKIP
+        (True, {})
     """
 
     belly: Belly
@@ -209,12 +209,7 @@ def why_not(gait: EscapeGait) -> str:
 
 
 def _run_name(goal: str, i: int) -> str:
-    return f"{file_name(goal)}{'' if i == 0 else f'_{i + 1}'}.npz"
-
-
-def file_name(goal: str) -> str:
-    """A goal's name as part of a file's."""
-    return goal.replace(" ", "_").replace(":", "_").replace("-", "minus")
+    return f"{goal_of(goal).file_name}{'' if i == 0 else f'_{i + 1}'}.npz"
 
 
 def _gait(entry: Mapping[str, Any], run: Path) -> EscapeGait:
