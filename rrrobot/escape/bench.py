@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -14,7 +15,7 @@ from rrrobot.checks import Array
 from rrrobot.drive.gaits import FourierGait
 from rrrobot.escape.capsules import Capsules, clearances
 from rrrobot.models.base import Model
-from rrrobot.momentum.batch import RESULT, FourierGaits, lower, settled
+from rrrobot.momentum.batch import RESULT, lower
 from rrrobot.momentum.extremes import LOADS, extremes
 from rrrobot.momentum.kernels import ANY, LIFT_OFF, OK
 from rrrobot.momentum.terrain import BOULDER
@@ -94,6 +95,22 @@ class Outcome(NamedTuple):
     def joined(parts: Sequence[Outcome]) -> Outcome:
         """One after the other."""
         return Outcome(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
+
+
+def _settled(
+    setting: Any, gaits: Population, cycles: NDArray[np.int64], steps: int
+) -> tuple[Any, Any]:
+    """The gaits as the engine takes them, and what they settle to."""
+    # Any: batches of the engine have windings of legs that go round, or have them not yet.
+    engine: Any = import_module("rrrobot.momentum.batch")
+    counts: dict[str, Any] = {"cycles": cycles, "counted": COUNTED, "steps": steps}
+    if hasattr(engine, "GaitBatch"):
+        offset, *rest = gaits
+        some = engine.GaitBatch(offset, np.zeros_like(offset), *rest)
+    else:
+        some = engine.FourierGaits(*gaits)
+        counts["motion"] = True
+    return some, engine.settled(setting, some, **counts)
 
 
 class Bench:
@@ -177,10 +194,7 @@ class Bench:
     ) -> Outcome:
         n, legs = gaits.offset.shape
         steps = _STEPS + 8 * (gaits.sine.shape[1] - 1)
-        legs_of = FourierGaits(*gaits)
-        found = settled(
-            self.setting, legs_of, cycles=cycles, counted=COUNTED, steps=steps, motion=True
-        )
+        legs_of, found = _settled(self.setting, gaits, cycles, steps)
         values = dict(zip(RESULT, found.results.T, strict=True))
         status = np.where(values["status"] == LIFT_OFF, OK, values["status"])
         loads, torque = np.full((n, len(LOADS)), np.nan), np.full((n, legs), np.nan)

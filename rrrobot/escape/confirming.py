@@ -190,6 +190,19 @@ def _settled(run: Trajectory, start: float, one: Judged, rules: Rules) -> _Settl
     state = run.steady_state(start=start - 1e-9)
     travel = np.append(state.velocity, state.yaw_rate)
     scale = np.array((1.0, 1.0, rules.length))
+    if rules.goal.leans:
+        lean = leaning_to(run.euler[run.time >= start - 1e-9], rules.goal)
+        return _Settled(travel, lean, abs(lean - one.value) / max(abs(lean), 1e-9))
     gap = np.linalg.norm(scale * (travel - one.outcome.travel[0]))
     size = max(float(np.linalg.norm(scale * travel)), 1e-9)
     return _Settled(travel, float(rules.goal.value(travel[None])[0]), float(gap) / size)
+
+
+def leaning_to(euler: Array, goal: Escape) -> float:
+    """Largest lean of the base's z axis to the goal's side through a run (n, 3) [rad]."""
+    roll, pitch = euler[:, 0], euler[:, 1]
+    up = np.column_stack((-np.sin(pitch), np.sin(roll) * np.cos(pitch)))
+    size = np.linalg.norm(up, axis=1)
+    tilt = np.arccos(np.clip(np.cos(roll) * np.cos(pitch), -1, 1))
+    lean = -up * (tilt / np.maximum(size, 1e-12))[:, None]
+    return float((lean @ np.array(goal.weights[:2])).max())
