@@ -79,7 +79,7 @@ def _robot_files(gait: EscapeGait, place: Path, name: str) -> list[Path]:
 
 
 def _film(gait: EscapeGait, path: Path) -> Path:
-    from rrrobot.view.viewer import record
+    from rrrobot.view.films import record
 
     run = gait.trajectory
     last = gait.ramp + max(_SHOWN, 4 * (gait.gait.period or 0.0))
