@@ -57,10 +57,10 @@ def unstick(
     Args:
         robot: a Robot, the name of an example, the path of a URDF, or a `Belly` that is fitted.
         goals: "forward", "left" (sideways), "turn left", "direction:30", ... see
-            `rr.escape.GOALS`; off a rock "off:90" (to the left). The usual ones unless given.
+            `rrrobot.escape.goals`; off a rock "off:90" (to the left). The usual ones unless given.
         ground: level ground unless given.
         joints: that move, the others are held in the belly's posture; all unless given.
-        groups: ways in which limbs may move together; see `rr.escape.GROUPS`.
+        groups: ways in which limbs may move together; see `rrrobot.escape.spaces`.
         limits: beside the joint limits of the file; `EscapeLimits()` unless given.
         damping: of the rocking. Unless given, roll and pitch have
         damping_ratio: this one, an assumption that the report names.
