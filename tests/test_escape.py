@@ -15,7 +15,7 @@ from rrrobot.escape.loss import rocking_damping, rocking_modes
 from rrrobot.escape.polish import judge, polish
 from rrrobot.escape.small import best_small, cost, small_gaits
 from rrrobot.escape.spaces import spaces, symmetric
-from rrrobot.momentum.coefficients import tree_of
+from rrrobot.momentum.tree import tree_of
 
 UP = np.array((0.0, 2.7, 0.3) * 2)
 """Legs of `biped` upward."""

@@ -19,7 +19,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.momentum.coefficients import Tree
+from rrrobot.momentum.tree import Tree
 
 _TINY = 1e-30
 
