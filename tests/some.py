@@ -16,7 +16,9 @@ def some(
         raise ValueError(f"no such cases: {sorted(unknown)}")
     return [
         pytest.param(
-            case, id=name(case), marks=() if name(case) in by_default else pytest.mark.slow
+            *(case if isinstance(case, tuple) else (case,)),
+            id=name(case),
+            marks=() if name(case) in by_default else pytest.mark.slow,
         )
         for case in cases
     ]
