@@ -2,8 +2,9 @@
 
     python -m benchmarks.feedback fit|goals|eight [trials]
 
-Masses +-5 % (each by itself), radius +-2 %, damping +-50 %, noise of 1 mm and 0.5 deg, a delay of
-one cycle. Writes benchmarks/results/feedback_<what>.json after each trial.
+Masses +-5 % (each by itself), radius +-2 %, damping +-50 %, a slope of 2 deg in any direction,
+noise of 1 mm and 0.5 deg, a delay of one cycle. Writes benchmarks/results/feedback_<what>.json
+after each trial.
 """
 
 from __future__ import annotations
@@ -20,7 +21,8 @@ from benchmarks.steering import goals
 from rrrobot.drive.schedule import Schedule, stretch
 from rrrobot.errors import RRRobotError
 from rrrobot.steering import MeasuredRun, Sensor, Track, follow, identify, reach
-from rrrobot.steering.shooting import rest_of
+from rrrobot.steering.shooting import gap
+from rrrobot.steering.standing import rest_of
 
 NOISE = (1e-3, np.deg2rad(0.5))
 
@@ -41,8 +43,12 @@ def other(seed: int) -> rr.RRRobotParameters:
     )
 
 
-def model_of(p: rr.RRRobotParameters) -> rr.FullModel:
-    return rr.FullModel(rr.Robot.from_parameters(p))
+def model_of(p: rr.RRRobotParameters, slope: int | None = None) -> rr.FullModel:
+    """The robot on level ground, or on a slope of 2 deg in the direction that a seed gives."""
+    way = 0.0 if slope is None else np.random.default_rng(slope + 20_000).uniform(0, 2 * np.pi)
+    steep = 0.0 if slope is None else np.tan(np.deg2rad(2.0))
+    ground = rr.Plane(normal=(-steep * np.cos(way), -steep * np.sin(way), 1.0))
+    return rr.FullModel(rr.Robot.from_parameters(p), ground=ground)
 
 
 def trial_fit(seed: int) -> dict:
@@ -57,13 +63,15 @@ def trial_fit(seed: int) -> dict:
         ],
         angular_frequency=8.0, rest=(np.pi / 2,) * 2, blend=2.0,
     )  # fmt: skip
-    model = model_of(true)
+    model = model_of(true, seed)
     standing = rest_of(model, gait.rest)
     t = rr.simulate(model, gait, 33.0, 0.05, start="rest", euler=standing.euler, method="momentum")
     pose = np.column_stack((t.position, t.euler[:, 2]))
     pose += np.random.default_rng(seed + 10_000).normal(size=pose.shape) * (NOISE[0], *NOISE)
     found = identify(MeasuredRun(time=t.time, pose=pose, leg_angle=t.leg_angle), known)
     truth = true.to_dict()
+    normal = model.ground.normal_vector
+    truth["slope_x"], truth["slope_y"] = -normal[:2] / normal[2]
     truth["leg_mass_1"], truth["leg_mass_2"] = truth["leg_mass"]
     return {name: (v - truth[name]) / found.uncertainty[name] for name, v in found.value.items()}
 
@@ -74,23 +82,27 @@ def trial_goals(seed: int) -> dict:
     sensor = Sensor(place=NOISE[0], yaw=NOISE[1], delay=1, seed=seed)
     try:
         found = reach(
-            model_of(rr.RRRobotParameters()), goal, truth=model_of(other(seed)), sensor=sensor
+            model_of(rr.RRRobotParameters()), goal, truth=model_of(other(seed), seed), sensor=sensor
         )
     except RRRobotError as error:
         return {"place": None, "turn": None, "why": str(error)}
+    run = found.tries[0].trajectory
+    alone = gap(np.array((*run.position[-1], run.euler[-1, 2])), goal)
     return {
         "place": float(np.hypot(*found.error[:2])), "turn": float(abs(found.error[2])),
+        "alone_place": float(np.hypot(*alone[:2])), "alone_turn": float(abs(alone[2])),
         "tries": len(found.tries), "why": found.stopped,
+        "seconds": sum(float(t.trajectory.time[-1]) for t in found.tries),
+        "legs": sum(t.plan.gait.duration for t in found.tries),
+        "bound": found.tries[0].plan.lower_bound,
     }  # fmt: skip
 
 
 def trial_eight(seed: int) -> dict:
-    """A figure eight of 0.5 m for ten minutes."""
+    """A figure eight of 0.5 m for ten minutes, on the slope too."""
     sensor = Sensor(place=NOISE[0], yaw=NOISE[1], delay=1, seed=seed)
-    run = follow(
-        model_of(rr.RRRobotParameters()), Track.eight(0.5), 600.0, truth=model_of(other(seed)),
-        sensor=sensor,
-    )  # fmt: skip
+    believed, real = model_of(rr.RRRobotParameters()), model_of(other(seed), seed)
+    run = follow(believed, Track.eight(0.5), 600.0, truth=real, sensor=sensor)
     return run.to_dict()
 
 

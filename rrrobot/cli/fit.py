@@ -1,4 +1,4 @@
-"""`rrrobot fit`: RRRobot's masses, radius and damping from a measured run."""
+"""`rrrobot fit`: RRRobot's masses, radius, damping and slope from a measured run."""
 
 from __future__ import annotations
 
@@ -12,7 +12,8 @@ from rrrobot.cli.report import aligned, tell
 from rrrobot.cli.types import Numbers, names
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable, write_whole
-from rrrobot.steering.identification import FREE, MeasuredRun, identify
+from rrrobot.steering.identification import FREE, identify
+from rrrobot.steering.measured import MeasuredRun
 
 
 @click.command("fit")
@@ -36,7 +37,7 @@ def fit_command(
     out: str | None,
     as_json: bool,
 ) -> None:
-    """Fit RRRobot's masses, radius and damping to a measured run, with their uncertainty.
+    """Fit RRRobot's masses, radius, damping and slope to a measured run, each with its uncertainty.
 
     The run is a table with the columns time, x, y, yaw, leg_1, leg_2 [s, m, m, rad, rad, rad]; the
     robot is at rest at its start. Poses do not tell the scale of all masses: one stays as given.

@@ -2,8 +2,8 @@ from rrrobot.steering.following import Following as Following
 from rrrobot.steering.following import follow as follow
 from rrrobot.steering.gears import Gear as Gear
 from rrrobot.steering.identification import Fit as Fit
-from rrrobot.steering.identification import MeasuredRun as MeasuredRun
 from rrrobot.steering.identification import identify as identify
+from rrrobot.steering.measured import MeasuredRun as MeasuredRun
 from rrrobot.steering.obstacles import Disc as Disc
 from rrrobot.steering.obstacles import Polygon as Polygon
 from rrrobot.steering.planner import plan as plan

@@ -17,9 +17,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from rrrobot.checks import Array, finite
+from rrrobot.contact.ground import Plane
 from rrrobot.errors import ModelError, ParameterError
 from rrrobot.files import write_whole
 from rrrobot.models.base import Model
+from rrrobot.models.full import FullModel
 from rrrobot.studies.sweeps.run import sweep
 
 _OFFSETS, _PHASES, _SHARES = 25, 48, (1.0, 0.6)
@@ -58,7 +60,8 @@ def motions_of(
     Computed once for a robot and kept in the user's cache folder, by everything they depend on.
 
     Args:
-        model: a model with two legs that the momentum engine knows.
+        model: a model with two legs that the momentum engine knows; of one on a slope, the
+            motions on level ground, which are the same at every heading.
         amplitude: the largest [rad].
         angular_frequency: [rad/s].
         store: whether to read and write the cache.
@@ -80,6 +83,7 @@ def motions_of(
             "two with legs=, the others are held."
         )
     amplitude = finite("amplitude", amplitude, "rad", above=0)
+    model = _level(model)
     path = _cache_path(model, amplitude, angular_frequency)
     kept = _read(path, angular_frequency) if store else None
     if kept is not None:
@@ -111,6 +115,14 @@ def motions_of(
     if store:
         _write(path, found)
     return found
+
+
+def _level(model: Model) -> Model:
+    """The same robot on level ground."""
+    if type(model) is not FullModel or type(model.ground) is not Plane or model.ground.is_level:
+        return model
+    flat = Plane(gravity=model.ground.gravity)
+    return FullModel(model.robot, ground=flat, damping=model.damping)
 
 
 def corners(motions: Motions, *, most: int = 12) -> Motions:

@@ -25,7 +25,8 @@ from rrrobot.steering.lattice import around
 from rrrobot.steering.motions import Motions, corners, motions_of
 from rrrobot.steering.obstacles import Obstacle, free_distance
 from rrrobot.steering.plans import Plan
-from rrrobot.steering.shooting import Knobs, Rest, Shot, final_poses, gap, off, rest_of, shoot
+from rrrobot.steering.shooting import Knobs, Shot, final_poses, gap, off, shoot
+from rrrobot.steering.standing import Rest, rest_of
 
 CYCLES_OF_BLEND = 2
 _CANDIDATES, _SHOTS = 48, 6
@@ -46,6 +47,7 @@ def plan(
     rest: ArrayLike | None = None,
     tolerance: tuple[float, float] = (2e-4, 7e-4),
     longest: float = 600.0,
+    motions: Motions | None = None,
     store: bool = True,
     progress: Any = None,
 ) -> Plan:
@@ -64,6 +66,8 @@ def plan(
         rest: leg angles at rest (legs,) [rad]; straight up unless given.
         tolerance: of the final place [m] and yaw [rad].
         longest: time that it may take [s].
+        motions: what the gaits do, of `motions_of`: of the robot itself on level ground unless
+            given; one that is like it will do, for the plan is made exact on `model`.
         store: whether the map of motions is kept in the user's cache folder.
         progress: as for `sweep`, while that map is made.
 
@@ -97,11 +101,12 @@ def plan(
                 f"and the margin is {margin:g} m: move it, or give a smaller margin=."
             )
     legs = np.full(2, np.pi / 2) if rest is None else vector("rest", rest, 2, "rad")
-    still = rest_of(model, legs)
-    motions = motions_of(
-        model, amplitude=amplitude, angular_frequency=angular_frequency, store=store,
-        progress=progress,
-    )  # fmt: skip
+    still = rest_of(model, legs, float(stops[0][2]))
+    if motions is None:
+        motions = motions_of(
+            model, amplitude=amplitude, angular_frequency=angular_frequency, store=store,
+            progress=progress,
+        )  # fmt: skip
     drive = _Drive(model, still, corners(motions, most=10), tuple(obstacles), margin)
     return drive.plan(stops, tolerance, longest)
 

@@ -20,7 +20,8 @@ from rrrobot.robot.robot import Robot
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.steering.obstacles import Obstacle, obstacle_from_dict
-from rrrobot.steering.shooting import Rest, gap
+from rrrobot.steering.shooting import gap
+from rrrobot.steering.standing import Rest, standing
 
 FORMAT = "rrrobot plan 1"
 
@@ -82,8 +83,8 @@ class Plan:
         model = self.model if model is None else model
         return simulate(
             model, self.gait, self.duration, sample_interval, start="rest", method=method,
-            euler=self.rest.euler + np.array((0.0, 0.0, self.start[2])), position=self.start[:2],
-            progress=progress,
+            euler=standing(model, self.rest.leg_angle, float(self.start[2])),
+            position=self.start[:2], progress=progress,
         )  # fmt: skip
 
     def to_dict(self) -> dict[str, Any]:

@@ -1,7 +1,7 @@
 """Feedback at the goal: drive, measure, learn what the robot is, and plan what is left.
 
 Each try is an exact plan from where the robot was seen to rest. What is seen on the way tells its
-masses, radius and damping (`identify`), and the next plan is of the robot that explains it.
+masses, radius, damping and slope (`identify`), and the next plan is of the robot that explains it.
 """
 
 from __future__ import annotations
@@ -13,22 +13,27 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite, vector
+from rrrobot.contact.ground import Plane
 from rrrobot.errors import PlanError, RRRobotError
 from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
-from rrrobot.robot.robot import Robot
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.trajectory import Trajectory
-from rrrobot.steering.identification import MeasuredRun, identify
+from rrrobot.steering.identification import identify
+from rrrobot.steering.measured import MeasuredRun
+from rrrobot.steering.motions import motions_of
 from rrrobot.steering.planner import plan
 from rrrobot.steering.plans import Plan
 from rrrobot.steering.robots import Sensor, stepping_of
-from rrrobot.steering.shooting import gap, off, rest_of
+from rrrobot.steering.shooting import gap, off
+from rrrobot.steering.standing import rest_of
 
 _INTERVAL = 0.1
 """Between measurements [s]."""
-_LEARNT = ("damping", "leg_mass", "servo_mass", "shell_radius")
+_LEARNT = ("damping", "leg_mass", "servo_mass", "shell_radius", "slope")
 """All that poses tell: the battery fixes the scale of the masses."""
+_TRUST = {"damping": 0.5, "leg_mass": 0.1, "servo_mass": 0.1, "shell_radius": 0.05, "slope": 0.05}
+"""How far the driven robot may be from the model: relative standard deviations, and a slope."""
 _STANDING = 20
 """Measurements of the resting pose that are averaged."""
 
@@ -105,6 +110,9 @@ def reach(
     finite("tries", tries, at_least=1)
     target = vector("goal", goal, 3, labels=("x", "y", "yaw"))
     now = vector("start", start, 3, labels=("x", "y", "yaw"))
+    if options.get("motions") is None:
+        how = {k: options[k] for k in ("amplitude", "angular_frequency", "store") if k in options}
+        options["motions"] = motions_of(model, **how)
     done: list[Try] = []
     real, believed = truth or model, model
     true = now.copy()
@@ -113,7 +121,7 @@ def reach(
     stopped: str | None = f"{tries} plans did not bring it there"
     for _ in range(tries):
         try:
-            made = plan(believed, target, start=now, store=believed is model, **options)
+            made = _planned(believed, target, now, options)
         except PlanError as error:
             if not done:
                 raise
@@ -135,13 +143,23 @@ def reach(
     return Reached(goal=target, tries=tuple(done), end=true, stopped=stopped)
 
 
+def _planned(believed: Model, goal: Array, start: Array, options: dict[str, Any]) -> Plan:
+    """A plan from the maps of the first model, and if that finds none, from the robot's own."""
+    try:
+        return plan(believed, goal, start=start, **options)
+    except PlanError:
+        own = {k: options[k] for k in ("amplitude", "angular_frequency") if k in options}
+        motions = motions_of(believed, store=False, **own)
+        return plan(believed, goal, start=start, **options | {"motions": motions})
+
+
 def _driven(real: Model, made: Plan, pose: Array) -> Trajectory:
     """The true robot's run of a plan."""
-    standing = rest_of(real, made.rest.leg_angle)
+    standing = rest_of(real, made.rest.leg_angle, float(pose[2]))
     length = made.gait.duration + max(standing.settling, made.rest.settling)
     return simulate(
         real, made.gait, length + _STANDING * _INTERVAL, _INTERVAL, start="rest",
-        euler=standing.euler + np.array((0.0, 0.0, pose[2])), position=pose[:2],
+        euler=standing.euler, position=pose[:2],
         **stepping_of(real),
     )  # fmt: skip
 
@@ -150,13 +168,14 @@ def _learnt(
     model: Model, believed: Model, t: Trajectory, seen: Array, seer: Sensor
 ) -> tuple[Model, float]:
     """The robot that explains a run, if one does; else what was believed."""
-    parameters = believed.robot.parameters
+    parameters = model.robot.parameters
     if parameters is None or type(model) is not FullModel:
         return believed, float("nan")
     run = MeasuredRun(time=t.time, pose=seen, leg_angle=t.leg_angle)
     noise = (max(seer.place, 1e-4), max(seer.yaw, 1e-3))
     try:
-        found = identify(run, parameters, free=_LEARNT, noise=noise)
+        ground = model.ground if isinstance(model.ground, Plane) else None
+        found = identify(run, parameters, free=_LEARNT, ground=ground, noise=noise, trust=_TRUST)
     except (RRRobotError, np.linalg.LinAlgError):
         return believed, float("nan")
-    return FullModel(Robot.from_parameters(found.parameters)), found.misfit
+    return found.model, found.misfit

@@ -15,7 +15,7 @@ from rrrobot.errors import ModelError
 from rrrobot.models.base import Model
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.state import State
-from rrrobot.steering.shooting import rest_of
+from rrrobot.steering.standing import rest_of
 
 SAMPLES = 8
 """Poses that are measured in a cycle."""
@@ -78,11 +78,11 @@ class Driven:
         self.model, self.sensor = model, sensor
         self.period = 2 * np.pi / angular_frequency
         self.frequency, self.rest = angular_frequency, rest
-        standing = rest_of(model, rest)
+        standing = rest_of(model, rest, float(start[2]))
         self.settling = standing.settling
         still = Stretch(self.period, rest, np.zeros((1, rest.size)), np.zeros((1, rest.size)))
         self.stretches = [still]
-        self._euler = standing.euler + np.array((0.0, 0.0, start[2]))
+        self._euler = standing.euler
         self._yaw, self._state = float(start[2]), None
         self._start = start
         self._noise = np.random.default_rng(sensor.seed)
@@ -108,7 +108,7 @@ class Driven:
         pair = Schedule(
             [last, now], angular_frequency=self.frequency, rest=self.rest, blend=self.period
         )
-        how = (
+        how: dict[str, Any] = (
             {"start": "rest", "euler": self._euler, "position": self._start[:2]}
             if self._state is None
             else {"state": State.from_array(self.model, self._state)}

@@ -3,51 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.drive.schedule import Schedule
-from rrrobot.errors import ModelError
 from rrrobot.models.base import Model
-from rrrobot.orbits.oscillations import equilibrium, modes
-from rrrobot.rotations import euler_from_quaternion, quaternion_from_euler
+from rrrobot.rotations import quaternion_from_euler
+from rrrobot.steering.standing import Rest
+
+if TYPE_CHECKING:
+    from rrrobot.momentum.lowering import Setting
 
 STEPS_PER_CYCLE = 12
 _CHUNK = 400
-_FADED = 12.0
-"""Time constants after which a rocking has faded to 6e-6 of itself."""
-
-
-class Rest(NamedTuple):
-    """A robot at rest with its legs held."""
-
-    leg_angle: Array
-    """(legs,) [rad]"""
-    euler: Array
-    """roll and pitch at rest, yaw 0 (3,) [rad]"""
-    settling: float
-    """how long the body rocks on once the legs are still [s]"""
-
-
-def rest_of(model: Model, leg_angle: Array) -> Rest:
-    """Where the body stands with these legs, and how long it takes to come to it.
-
-    Raises:
-        ModelError: it tips over, or its rocking never fades.
-    """
-    pose = equilibrium(model, leg_angle)
-    euler = euler_from_quaternion(model.place(pose).quaternion)
-    rocking = [m for m in modes(model, leg_angle) if np.isfinite(m.period)]
-    slowest = min((m.decay_rate for m in rocking), default=0.0)
-    if slowest <= 1e-3:
-        raise ModelError(
-            f"with the legs at {np.round(leg_angle, 4).tolist()} rad the robot's rocking does not "
-            "fade (its damping is none, or it tips over), so it never rests: give the model a "
-            "damping, or choose other legs with rest=."
-        )
-    return Rest(np.asarray(leg_angle, dtype=float), euler * (1, 1, 0), _FADED / slowest)
 
 
 def final_poses(
@@ -63,15 +33,13 @@ def final_poses(
         tail: time after the longest schedule [s].
     """
     from rrrobot.momentum.batch import march, stage_times
-    from rrrobot.momentum.coefficients import coefficients
     from rrrobot.momentum.lowering import lower
     from rrrobot.momentum.summary import ROWS_PER_STEP
 
     setting, n = lower(model), len(schedules)
     step = 2 * np.pi / schedules[0].angular_frequency / STEPS_PER_CYCLE
     steps = int(np.ceil((max(s.duration for s in schedules) + tail) / step))
-    quaternion = quaternion_from_euler(rest.euler + np.array((0.0, 0.0, start[2])))
-    lane = np.concatenate((quaternion, np.zeros(3), start))
+    lane = np.concatenate((quaternion_from_euler(rest.euler), np.zeros(3), start))
     state = np.tile(lane, (n, 1))
     with np.errstate(all="ignore"):
         for first in range(0, steps, _CHUNK):
@@ -80,9 +48,23 @@ def final_poses(
             tables = np.empty((count * ROWS_PER_STEP + 1, 15, n))
             for i, schedule in enumerate(schedules):
                 motion = schedule(times)
-                tables[:, :, i] = coefficients(model.robot, motion.angle, motion.rate)
+                tables[:, :, i] = table_of(setting, motion.angle, motion.rate)
             state = march(setting, tables, np.full(count, step), state)[-1]
     return state[:, 7:10]
+
+
+def table_of(setting: Setting, leg_angle: Array, leg_rate: Array) -> Array:
+    """How the legs enter, at many instants (n, 15), about the point that the engine's form takes.
+
+    Args:
+        setting: of a model.
+        leg_angle, leg_rate: (n, legs) [rad, rad/s].
+    """
+    from rrrobot.momentum.coefficients import N_COEFFICIENTS, fill
+
+    out = np.empty((len(leg_angle), N_COEFFICIENTS))
+    fill(setting.tree, np.ascontiguousarray(leg_angle), np.ascontiguousarray(leg_rate), out)
+    return out
 
 
 class Shot(NamedTuple):
