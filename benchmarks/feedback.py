@@ -4,7 +4,7 @@
 
 Masses +-5 % (each by itself), radius +-2 %, damping +-50 %, a slope of 2 deg in any direction,
 noise of 1 mm and 0.5 deg, a delay of one cycle. Writes benchmarks/results/feedback_<what>.json
-after each trial.
+after each trial, and goes on from what is there.
 """
 
 from __future__ import annotations
@@ -110,12 +110,15 @@ TRIALS = {"fit": trial_fit, "goals": trial_goals, "eight": trial_eight}
 
 
 def main(what: str, n: int) -> None:
-    rows = []
-    for seed in range(n):
+    target = Path(f"benchmarks/results/feedback_{what}.json")
+    # What was done before goes on; remove the file to begin anew.
+    rows = json.loads(target.read_text())["rows"] if target.exists() else []
+    told = {"trials": len(rows), **_sum(what, rows)} if rows else {}
+    for seed in range(len(rows), n):
         started = time.process_time()
         rows.append(TRIALS[what](seed) | {"seed": seed, "cpu": time.process_time() - started})
         told = {"trials": len(rows), **_sum(what, rows), "rows": rows}
-        Path(f"benchmarks/results/feedback_{what}.json").write_text(json.dumps(told, indent=1))
+        target.write_text(json.dumps(told, indent=1))
     print(json.dumps({k: v for k, v in told.items() if k != "rows"}, indent=1))
 
 

@@ -200,6 +200,19 @@ def test_a_goal_is_reached_on_another_robot_on_a_slope(model, tilted):
 
 
 @pytest.mark.slow
+def test_a_goal_that_moves(model, other):
+    sensor = Sensor(place=NOISE[0], yaw=NOISE[1], seed=1)
+    found = reach(
+        model, lambda t: (0.1 + 0.001 * t, 0.2 - 0.0005 * t, 0.5 + 0.002 * t), truth=other,
+        sensor=sensor,
+    )  # fmt: skip
+    spent = sum(float(t.trajectory.time[-1]) for t in found.tries)
+    assert found.stopped is None and len(found.tries) <= 4
+    np.testing.assert_allclose(found.goal[:2], (0.1 + 0.001 * spent, 0.2 - 0.0005 * spent))
+    assert np.hypot(*found.error[:2]) < 0.005 and abs(found.error[2]) < np.deg2rad(2)
+
+
+@pytest.mark.slow
 def test_a_wild_run_is_learnt_from(model):
     """Half the damping lets gaits of 0.5 rad run wild: the first plan ends half a metre away."""
     other = rr.RRRobotParameters(

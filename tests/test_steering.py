@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
-from rrrobot.steering import Disc, Polygon
+from rrrobot.drive.tables import gait_table
+from rrrobot.steering import Disc, Gear, Polygon
 from rrrobot.steering.arcs import joined, move, path
 from rrrobot.steering.motions import corners, motions_of
 from rrrobot.steering.obstacles import free_distance
+from rrrobot.steering.planner import _apart
+from tests import derivations
 
 PLACE, TURN = 1e-3, np.deg2rad(0.2)
 
@@ -102,6 +105,86 @@ def test_a_plan_arrives_on_the_exact_model(model, goal):
     # It rests there.
     assert np.abs(t.euler_rates[-1]).max() < 1e-4 and not t.leg_rate[-1].any()
     assert t.slip.max() < 1e-12
+
+
+@pytest.mark.slow
+def test_the_exported_table_leads_there_by_an_independent_derivation(model, tmp_path):
+    """Five point masses by Kane's method, their legs splined through the table's rows."""
+    from scipy.integrate import solve_ivp
+    from scipy.interpolate import CubicSpline
+
+    goal = (0.12, -0.08, 0.9)
+    p = rr.plan(model, goal)
+    table = gait_table(p.gait, 50.0, duration=p.gait.duration, joints=model.robot.legs)
+    rows = np.genfromtxt(table.to_csv(tmp_path / "legs.csv"), delimiter=",", names=True)
+    columns = rows.view(float).reshape(len(rows), -1)
+    time, angle = columns[:, 0], columns[:, 1:3]
+    spline = CubicSpline(time, angle, bc_type="clamped")
+    parts = [spline, spline.derivative(), spline.derivative(2)]
+    points = derivations.PointMassRobot()
+
+    def rate(t, state):
+        legs = [part(min(t, time[-1])) * (1.0 if i == 0 or t < time[-1] else 0.0)
+                for i, part in enumerate(parts)]  # fmt: skip
+        theta, dot = state[:3], state[3:6]
+        ddot = derivations.full_model(points, theta, dot, *legs, damping=(0.01,) * 3).theta_ddot
+        return np.concatenate((dot, ddot, derivations._contact_velocity(points, theta, dot)))
+
+    run = solve_ivp(rate, (0, p.duration), np.zeros(8), rtol=1e-8, atol=1e-10, max_step=0.1)
+    end = run.y[:, -1]
+    assert np.hypot(*(end[6:] - goal[:2])) < 1e-3
+    assert abs(end[2] - goal[2]) < np.deg2rad(0.2)
+    # That the table was driven: no motion at all would end 14 cm away.
+    np.testing.assert_allclose(end[6:], p.predicted[:2], atol=2e-4)
+
+
+@pytest.mark.slow
+def test_a_plan_keeps_limits(model):
+    goal = (0.2, 0.1, np.pi / 2)
+    asked = rr.plan(model, goal).demands()
+    t = rr.plan(model, goal).execute(sample_interval=np.pi / 120)
+    assert asked.torque == pytest.approx(np.abs(t.leg_torque).max(), rel=0.02)
+    along = t.contact_force[:, 2]
+    friction = np.linalg.norm(t.contact_force[:, :2], axis=1) / along
+    assert asked.friction == pytest.approx(friction.max(), rel=0.02)
+    assert asked.normal_force == pytest.approx(along.min() / (model.robot.mass * 9.81), rel=0.02)
+    with pytest.raises(rr.PlanError, match=r"it takes a torque of .* above 0.02") as caught:
+        rr.plan(model, goal, limits=rr.GaitLimits(max_torque=0.02))
+    assert caught.value.nearest.demands().torque > 0.02
+    rr.plan(model, goal, limits=rr.GaitLimits(max_torque=1.1 * asked.torque, friction=0.5))
+    with pytest.raises(rr.ParameterError, match="on is 'half'"):
+        rr.plan(model, goal, on="half")
+
+
+@pytest.mark.slow
+def test_plans_on_the_decoupled_models(model):
+    """Exact on those models, by a simulation of its own; centimetres off in truth."""
+    maps = motions_of(model, decoupled=True)
+    rng = np.random.default_rng(0)
+    for row in rng.choice(len(maps.offset), 2, replace=False):
+        gait, own = (
+            rr.SinusoidalGait(
+                offset=maps.offset[row], amplitude=swing, angular_frequency=8.0,
+                phase=(0.0, maps.phase_difference[row]),
+            )
+            for swing in (maps.amplitude[row], maps.yaw_amplitude[row])
+        )  # fmt: skip
+        s = rr.decoupled(model.robot, gait, 38 * gait.period, yaw_gait=own).steady_state()
+        assert np.linalg.norm(maps.twist[row, :2]) == pytest.approx(s.speed, abs=1e-5)
+        assert maps.twist[row, 2] == pytest.approx(s.yaw_rate, abs=1e-4)
+    goal = (0.2, 0.1, np.pi / 2)
+    p = rr.plan(model, goal, on="decoupled")
+    own = _apart(model, maps).of_yaw(p.gait)
+    apart = rr.decoupled(model.robot, p.gait, p.duration, 0.1, yaw_gait=own, start="rest")
+    np.testing.assert_allclose(apart.position[-1], p.predicted[:2], atol=1e-5)
+    np.testing.assert_allclose(apart.position[-1], goal[:2], atol=PLACE)
+    t = p.execute(sample_interval=0.1)
+    assert 2e-3 < np.hypot(*(t.position[-1] - goal[:2])) < 0.1
+    for name in ("left", "right"):
+        gear = Gear(maps, name)
+        drive = gear.drive(0.7 * gear.fastest(3.0), 3.0)
+        assert drive.speed == pytest.approx(0.7 * gear.fastest(3.0), rel=1e-6)
+        assert drive.twist[2] / drive.speed == pytest.approx(3.0, rel=1e-6)
 
 
 def test_a_start_elsewhere_is_the_same_plan_moved(model):

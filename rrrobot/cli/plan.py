@@ -20,8 +20,10 @@ from rrrobot.drive.tables import gait_table
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable
 from rrrobot.models.full import FullModel
+from rrrobot.steering.demands import Demands
 from rrrobot.steering.planner import plan as make_plan
 from rrrobot.steering.plans import Plan
+from rrrobot.studies.optimisation.table import GaitLimits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,6 +71,8 @@ class PlanOutput(Group):
     "--waypoint", type=Numbers(3), multiple=True, metavar="X,Y,YAW",
     help="A pose to come by on the way.",
 )  # fmt: skip
+@click.option("--max-torque", type=NUMBER, help="That each motor can give [N m].")
+@click.option("--friction", type=NUMBER, help="Coefficient that the ground offers.")
 @click.option(
     "--longest", type=NUMBER, default="600", show_default=True, help="Time that it may take [s]."
 )
@@ -84,6 +88,8 @@ def plan_command(
     goal: tuple[float, ...],
     start: tuple[float, ...],
     waypoint: tuple[tuple[float, ...], ...],
+    max_torque: float | None,
+    friction: float | None,
     longest: float,
     obstacles: ObstacleOptions,
     legs: LegOptions,
@@ -108,12 +114,16 @@ def plan_command(
     parts = Parts.of(robot, ground, damping)
     model = parts.model(FullModel)
     tell_of_compiling(quiet=output.quiet)
+    limited = max_torque is not None or friction is not None
+    limits = GaitLimits(max_torque=max_torque, friction=friction) if limited else None
     found = make_plan(
         model, goal, start=start, waypoints=waypoint, obstacles=obstacles.build(),
         margin=obstacles.margin, amplitude=legs.amplitude, angular_frequency=legs.frequency,
-        longest=longest, progress=False if output.quiet else None,
+        longest=longest, limits=limits, progress=False if output.quiet else None,
     )  # fmt: skip
-    tell(found.to_dict(), table(found), _write(found, files, output.rate), as_json=output.as_json)
+    asked = found.demands()
+    data, rows = found.to_dict() | {"demands": asked._asdict()}, table(found, asked)
+    tell(data, rows, _write(found, files, output.rate), as_json=output.as_json)
 
 
 def _write(plan: Plan, files: dict[str, Path], rate: float) -> list[Path]:
@@ -138,8 +148,8 @@ def _write(plan: Plan, files: dict[str, Path], rate: float) -> list[Path]:
     return written
 
 
-def table(plan: Plan) -> str:
-    """The schedule in lines, with where it ends."""
+def table(plan: Plan, asked: Demands) -> str:
+    """The schedule in lines, with where it ends and what it asks for."""
     rows = [
         ("from", pose(plan.start)),
         ("to", pose(plan.goal)),
@@ -163,7 +173,13 @@ def table(plan: Plan) -> str:
             f"for {s.duration:.2f} s",
         ))  # fmt: skip
         begin += s.duration
-    rows.append((f"  {begin:7.2f} s", f"to rest at {_few(plan.gait.rest)} rad"))
+    rows.append((
+        "asks for",
+        f"{asked.torque:.3g} N m, {asked.leg_rate:.3g} rad/s, {asked.power:.3g} W, friction "
+        f"{asked.friction:.3g}; normal force at least {asked.normal_force:.3g} of the weight, "
+        f"legs {100 * asked.clearance:.3g} cm above the ground",
+    ))  # fmt: skip
+    rows.insert(-1, (f"  {begin:7.2f} s", f"to rest at {_few(plan.gait.rest)} rad"))
     return aligned(rows)
 
 

@@ -131,33 +131,55 @@ class Schedule(Gait):
 
     def __call__(self, time: ArrayLike) -> LegMotion:
         t = np.asarray(time, dtype=float)
-        at = np.atleast_1d(t)
-        here = np.clip(np.searchsorted(self._starts, at, side="right") - 1, 0, None)
-        before, level = self._levels[here], self._levels[here + 1]
-        change = level - before
-        u = np.clip((at - self._starts[here]) / self.blend, 0.0, 1.0)
+        parts = self._parts(np.atleast_1d(t), 3)
+        return LegMotion(*(part[0] if t.ndim == 0 else part for part in parts))
+
+    def angle_and_rate(self, time: Array) -> tuple[Array, Array]:
+        """Leg angles [rad] and rates [rad/s] at many times (n,), each (n, legs)."""
+        angle, rate = self._parts(time, 2)
+        return angle, rate
+
+    def _parts(self, time: Array, count: int) -> list[Array]:
+        """Angle and its derivatives, `count` in all, each (n, legs)."""
+        order = None
+        if np.any(time[1:] < time[:-1]):
+            order = np.argsort(time, kind="stable")
+            time = time[order]
+        w = self.angular_frequency * self._orders
+        turn = np.multiply.outer(time, w)
+        sine, cosine = np.sin(turn), np.cos(turn)
+        # Sines and cosines, and their derivatives.
+        waves = [np.hstack((sine, cosine)), np.hstack((w * cosine, -w * sine))]
+        waves += [-np.hstack((w * w * sine, w * w * cosine))] if count > 2 else []
+        out = [np.empty((time.size, self.n_legs)) for _ in range(count)]
+        edges = np.searchsorted(time, self._starts[1:])
+        ends = (*edges.tolist(), time.size)
+        first = 0
+        for i, last in enumerate(ends):
+            if last > first:
+                here = slice(first, last)
+                self._blended(i, time[here], [wave[here] for wave in waves], out, here)
+                first = last
+        if order is not None:
+            for part in out:
+                part[order] = part.copy()
+        return out
+
+    def _blended(
+        self, i: int, time: Array, waves: list[Array], out: list[Array], here: slice
+    ) -> None:
+        """What the legs do from the start of stretch i on: b + q c, c the change from b."""
+        before, change = self._levels[i], self._levels[i + 1] - self._levels[i]
+        u = np.clip((time - self._starts[i]) / self.blend, 0.0, 1.0)[:, None]
         q = u * u * u * (10.0 + u * (6.0 * u - 15.0))
         q1 = 30.0 * (u * (1.0 - u)) ** 2 / self.blend
-        q2 = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / self.blend**2
-        # Coefficients and their two derivatives, each (n, rows, legs).
-        a0 = before + q[:, None, None] * change
-        a1, a2 = q1[:, None, None] * change, q2[:, None, None] * change
-        turn = np.multiply.outer(at, self.angular_frequency * self._orders)
-        rate = self.angular_frequency * self._orders
-        one = np.ones((at.size, 1))
-        wave = np.hstack((one, np.sin(turn), np.cos(turn)))
-        wave1 = np.hstack((0 * one, rate * np.cos(turn), -rate * np.sin(turn)))
-        wave2 = np.hstack((0 * one, -(rate**2) * np.sin(turn), -(rate**2) * np.cos(turn)))
-
-        def sum_of(*terms: tuple[Array, Array]) -> Array:
-            total = np.sum([np.einsum("nrl,nr->nl", a, w) for a, w in terms], axis=0)
-            return np.asarray(total[0] if t.ndim == 0 else total)
-
-        return LegMotion(
-            sum_of((a0, wave)),
-            sum_of((a1, wave), (a0, wave1)),
-            sum_of((a2, wave), (2 * a1, wave1), (a0, wave2)),
-        )
+        b, c = ([wave @ level[1:] for wave in waves] for level in (before, change))
+        b[0], c[0] = b[0] + before[0], c[0] + change[0]
+        out[0][here] = b[0] + q * c[0]
+        out[1][here] = b[1] + q * c[1] + q1 * c[0]
+        if len(out) > 2:
+            q2 = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / self.blend**2
+            out[2][here] = b[2] + q * c[2] + 2 * q1 * c[1] + q2 * c[0]
 
     def to_dict(self) -> dict[str, Any]:
         return {

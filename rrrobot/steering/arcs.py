@@ -74,19 +74,22 @@ def joined(
     far = np.hypot(*(goal[:2] - start[:2])) / np.linalg.norm(twists[:, :2], axis=1).max()
     time = least + rng.exponential(max(0.5 * far, 4 * least), (len(choice), 3))
     weight = np.array((1.0, 1.0, length))
-    error = np.full(len(choice), np.inf)
+    live = np.arange(len(choice))
     for _ in range(14):
-        poses, jacobian = _chain(twists[choice], start, time)
-        gap = (goals - poses) * weight
+        poses, jacobian = _chain(twists[choice[live]], start, time[live])
+        gap = (goals[live] - poses) * weight
         error = np.linalg.norm(gap, axis=1)
         matrix = jacobian * weight[:, None]
         # Levenberg's step keeps choices whose screws are nearly alike from running away.
-        square = np.einsum("nij,nik->njk", matrix, matrix)
+        square = matrix.transpose(0, 2, 1) @ matrix
         damp = 1e-9 * np.trace(square, axis1=1, axis2=2) + 1e-3 * error**2 * 1e-2
         square += damp[:, None, None] * np.eye(3)
-        right = np.einsum("nij,ni->nj", matrix, gap)
-        step = np.linalg.solve(square, right[:, :, None])[:, :, 0]
-        time = np.clip(time + np.clip(step, -20.0, 20.0), 0.0, most)
+        right = (matrix.transpose(0, 2, 1) @ gap[:, :, None])[..., 0]
+        step = np.linalg.solve(square, right[..., None])[..., 0]
+        time[live] = np.clip(time[live] + np.clip(step, -20.0, 20.0), 0.0, most)
+        live = live[error > 1e-9]  # those that have arrived stay
+        if not live.size:
+            break
     poses, _ = _chain(twists[choice], start, time)
     error = np.linalg.norm((goals - poses) * weight, axis=1)
     good = (error < 1e-6) & (time.min(axis=1) >= least) & (time.sum(axis=1) <= most)

@@ -12,7 +12,7 @@ import hashlib
 import json
 import os
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -22,7 +22,12 @@ from rrrobot.errors import ModelError, ParameterError
 from rrrobot.files import write_whole
 from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
+from rrrobot.models.recombined import DecoupledModels
+from rrrobot.studies.modulation import amplitude_modulation, filled
 from rrrobot.studies.sweeps.run import sweep
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _OFFSETS, _PHASES, _SHARES = 25, 48, (1.0, 0.6)
 
@@ -38,13 +43,15 @@ class Motions(NamedTuple):
     """(n,) [rad]"""
     phase_difference: Array
     """of leg 2 from leg 1 (n,) [rad]"""
+    yaw_amplitude: Array
+    """of the yaw model's legs where the models are decoupled, else the amplitude (n,) [rad]"""
     angular_frequency: float
     """[rad/s]"""
 
     def take(self, rows: Array) -> Motions:
         """Some of them."""
-        twist, offset, amplitude, phase, frequency = self
-        return Motions(twist[rows], offset[rows], amplitude[rows], phase[rows], frequency)
+        twist, *others = (np.asarray(column)[rows] for column in self[:5])
+        return Motions(twist, others[0], others[1], others[2], others[3], self.angular_frequency)
 
 
 def motions_of(
@@ -52,6 +59,7 @@ def motions_of(
     *,
     amplitude: float = 0.5,
     angular_frequency: float = 8.0,
+    decoupled: bool = False,
     store: bool = True,
     progress: Any = None,
 ) -> Motions:
@@ -64,6 +72,8 @@ def motions_of(
             motions on level ground, which are the same at every heading.
         amplitude: the largest [rad].
         angular_frequency: [rad/s].
+        decoupled: of the robot's single-axis models, recombined, with the yaw model's legs
+            modulated so that it turns like the full model (the paper's Figs 19 and 20).
         store: whether to read and write the cache.
         progress: as for `sweep`.
 
@@ -84,20 +94,28 @@ def motions_of(
         )
     amplitude = finite("amplitude", amplitude, "rad", above=0)
     model = _level(model)
-    path = _cache_path(model, amplitude, angular_frequency)
+    path = _cache_path(model, amplitude, angular_frequency, decoupled)
     kept = _read(path, angular_frequency) if store else None
     if kept is not None:
         return kept
+    apart: dict[str, Any] = {}
+    if decoupled:
+        apart["yaw_amplitude"] = yaw_amplitudes(model, amplitude, angular_frequency)
     ds = sweep(
-        model,
+        DecoupledModels(model.robot) if decoupled else model,
         offset=np.linspace(0.0, np.pi, _OFFSETS),
         phase_difference=np.linspace(0.0, 2 * np.pi, _PHASES, endpoint=False),
         amplitude=amplitude * np.array(_SHARES),
         angular_frequency=angular_frequency,
         progress=progress,
+        **apart,
     )
     ds = ds.squeeze("angular_frequency") if "angular_frequency" in ds.dims else ds
-    table = ds[["velocity_x", "velocity_y", "yaw_rate", "variation"]].to_dataframe().reset_index()
+    names = ["velocity_x", "velocity_y", "yaw_rate", "variation"]
+    if decoupled:
+        ds = ds.assign(yaw_legs=ds.yaw_model_amplitude)
+        names.append("yaw_legs")
+    table = ds[names].to_dataframe().reset_index()
     twist = table[["velocity_x", "velocity_y", "yaw_rate"]].to_numpy()
     sound = np.all(np.isfinite(twist), axis=1) & (table["variation"].to_numpy() < 0.01)
     if not sound.any() or np.abs(twist[sound]).max() < 1e-9:
@@ -110,11 +128,29 @@ def motions_of(
         table["offset"].to_numpy()[sound],
         table["amplitude"].to_numpy()[sound],
         table["phase_difference"].to_numpy()[sound],
+        table["yaw_legs" if decoupled else "amplitude"].to_numpy()[sound],
         angular_frequency,
     )
     if store:
         _write(path, found)
     return found
+
+
+def yaw_amplitudes(model: Model, amplitude: float, angular_frequency: float) -> xr.DataArray:
+    """Leg amplitudes at which the yaw model turns like the full one (amplitude, offset) [rad]."""
+    import xarray as xr
+
+    rows = []
+    for share in _SHARES:
+        full = sweep(
+            model, offset=np.linspace(0.0, np.pi, _OFFSETS), phase_difference=np.pi / 2,
+            amplitude=amplitude * share, angular_frequency=angular_frequency,
+        )  # fmt: skip
+        if "phase_difference" not in full.dims:
+            full = full.expand_dims("phase_difference")
+        modulation = amplitude_modulation(model.robot, full)
+        rows.append(filled(modulation, full.offset).expand_dims(amplitude=[amplitude * share]))
+    return xr.concat(rows, "amplitude")
 
 
 def _level(model: Model) -> Model:
@@ -150,11 +186,11 @@ def corners(motions: Motions, *, most: int = 12) -> Motions:
     return motions.take(np.array(chosen))
 
 
-def _cache_path(model: Model, amplitude: float, angular_frequency: float) -> Path:
+def _cache_path(model: Model, amplitude: float, angular_frequency: float, decoupled: bool) -> Path:
     """File for everything that the motions depend on."""
     what = [
         model.robot.to_dict(), model.to_dict(), amplitude, angular_frequency,
-        _OFFSETS, _PHASES, _SHARES,
+        _OFFSETS, _PHASES, _SHARES, decoupled,
     ]  # fmt: skip
     name = hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:24]
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
@@ -166,16 +202,17 @@ def _read(path: Path, angular_frequency: float) -> Motions | None:
         rows = np.load(path, allow_pickle=False)
     except (OSError, ValueError, EOFError):
         return None
-    if rows.ndim != 2 or rows.shape[1] != 6 or not np.all(np.isfinite(rows)):
+    if rows.ndim != 2 or rows.shape[1] != 7 or not np.all(np.isfinite(rows)):
         return None
-    return Motions(rows[:, :3], rows[:, 3], rows[:, 4], rows[:, 5], angular_frequency)
+    offset, swing, phase, yaw = rows[:, 3:].T
+    return Motions(rows[:, :3], offset, swing, phase, yaw, angular_frequency)
 
 
 def _write(path: Path, found: Motions) -> None:
     import io
 
     buffer = io.BytesIO()
-    np.save(buffer, np.column_stack(found[:4]))
+    np.save(buffer, np.column_stack(found[:5]))
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
         write_whole(path, buffer.getvalue())

@@ -20,13 +20,15 @@ from rrrobot.checks import Array, finite, vector
 from rrrobot.drive.schedule import Schedule, stretch
 from rrrobot.errors import ModelError, ParameterError, PlanError
 from rrrobot.models.base import Model
+from rrrobot.models.recombined import DecoupledModels
 from rrrobot.steering.arcs import joined, path
 from rrrobot.steering.lattice import around
 from rrrobot.steering.motions import Motions, corners, motions_of
 from rrrobot.steering.obstacles import Obstacle, free_distance
 from rrrobot.steering.plans import Plan
-from rrrobot.steering.shooting import Knobs, Shot, final_poses, gap, off, shoot
+from rrrobot.steering.shooting import Apart, Knobs, Shot, final_poses, gap, off, shoot
 from rrrobot.steering.standing import Rest, rest_of
+from rrrobot.studies.optimisation.table import GaitLimits
 
 CYCLES_OF_BLEND = 2
 _CANDIDATES, _SHOTS = 48, 6
@@ -47,6 +49,8 @@ def plan(
     rest: ArrayLike | None = None,
     tolerance: tuple[float, float] = (2e-4, 7e-4),
     longest: float = 600.0,
+    limits: GaitLimits | None = None,
+    on: str = "full",
     motions: Motions | None = None,
     store: bool = True,
     progress: Any = None,
@@ -66,6 +70,11 @@ def plan(
         rest: leg angles at rest (legs,) [rad]; straight up unless given.
         tolerance: of the final place [m] and yaw [rad].
         longest: time that it may take [s].
+        limits: of torque, leg rate, friction, normal force and clearance, that the whole run keeps;
+            see `Plan.demands`. None are checked unless given.
+        on: "full": the plan is exact on `model`; "decoupled": on the single-axis models, recombined
+            and modulated, as the paper proposes. What that costs shows when it is executed. Of
+            obstacles only the coarse plan then keeps clear.
         motions: what the gaits do, of `motions_of`: of the robot itself on level ground unless
             given; one that is like it will do, for the plan is made exact on `model`.
         store: whether the map of motions is kept in the user's cache folder.
@@ -102,12 +111,16 @@ def plan(
             )
     legs = np.full(2, np.pi / 2) if rest is None else vector("rest", rest, 2, "rad")
     still = rest_of(model, legs, float(stops[0][2]))
+    if on not in ("full", "decoupled"):
+        raise ParameterError(f"on is {on!r}: plans are made on 'full' or 'decoupled' models.")
     if motions is None:
         motions = motions_of(
             model, amplitude=amplitude, angular_frequency=angular_frequency, store=store,
-            progress=progress,
+            decoupled=on == "decoupled", progress=progress,
         )  # fmt: skip
-    drive = _Drive(model, still, corners(motions, most=10), tuple(obstacles), margin)
+    by = _apart(model, motions) if on == "decoupled" else model
+    drive = _Drive(model, by, still, corners(motions, most=10), tuple(obstacles), margin)
+    drive.limits = limits
     return drive.plan(stops, tolerance, longest)
 
 
@@ -117,13 +130,15 @@ class _Drive:
     def __init__(
         self,
         model: Model,
+        by: Model | Apart,
         rest: Rest,
         motions: Motions,
         obstacles: tuple[Obstacle, ...],
         margin: float,
     ) -> None:
-        self.model, self.rest, self.motions = model, rest, motions
+        self.model, self.by, self.rest, self.motions = model, by, rest, motions
         self.obstacles, self.margin = obstacles, margin
+        self.limits: GaitLimits | None = None
         self.period = 2 * np.pi / motions.angular_frequency
         self.blend = CYCLES_OF_BLEND * self.period
         # The exact motion leaves the coarse path by about a centimetre where gaits change.
@@ -148,32 +163,32 @@ class _Drive:
         knobs = [self._knobs(choice, time) for choice, time in ways]
         start, goal = stops[0], stops[-1]
         tail = self.rest.settling
-        rough = final_poses(self.model, [k.make(x) for k, x in knobs], start, self.rest, tail=tail)
+        # Where the robot rocks about a little later is near enough to choose by.
+        rough = final_poses(
+            self.by, [k.make(x) for k, x in knobs], start, self.rest, tail=0.15 * tail
+        )
         away = np.abs(gap(rough, goal) / (0.05, 0.05, 0.3)).max(axis=1)
         times = np.array([k.make(x).duration for k, x in knobs])
         # Far off and long are both bad; those that fail in the rough are left out.
         order = np.argsort(np.where(np.isfinite(away), away + times / 15.0, np.inf), kind="stable")
         nearest: Plan | None = None
-        blocked = False
+        blocked: str | None = None
         for i in order[:_SHOTS]:
             shot = shoot(
-                self.model, knobs[i][0], knobs[i][1], start, goal, self.rest, tolerance=tolerance,
+                self.by, knobs[i][0], knobs[i][1], start, goal, self.rest, tolerance=tolerance,
                 tail=tail,
             )  # fmt: skip
             if not np.all(np.isfinite(shot.error)):
                 continue
             found = self._made(shot, stops, ways[i])
             if off(shot.error, tolerance) <= 1.0:
-                if self._clear(found):
+                blocked = self._blocked(found)
+                if blocked is None:
                     return found
-                blocked = True
+                nearest = nearest or found
             elif nearest is None or off(found.error, tolerance) < off(nearest.error, tolerance):
                 nearest = found
-        why = (
-            "the exact motion comes nearer to an obstacle than the margin"
-            if blocked
-            else "the exact motion could not be brought to the goal"
-        )
+        why = blocked or "the exact motion could not be brought to the goal"
         raise PlanError(
             f"no plan to {goal.round(4).tolist()}: {why}. The nearest that was found is in the "
             "error's .nearest; try another amplitude=, margin= or waypoints=.",
@@ -253,16 +268,29 @@ class _Drive:
             obstacles=self.obstacles,
             margin=self.margin,
             rest=self.rest,
+            on="decoupled" if isinstance(self.by, Apart) else "full",
         )
 
-    def _clear(self, found: Plan) -> bool:
-        """Whether the exact motion's cycle means keep the margin."""
-        if not self.obstacles:
-            return True
-        t = found.execute(method="momentum", sample_interval=self.period / 8)
-        kernel = np.full(8, 1 / 8)
-        means = np.column_stack([np.convolve(c, kernel, mode="valid") for c in t.position.T])
-        return bool(np.all(free_distance(self.obstacles, means) >= self.margin))
+    def _blocked(self, found: Plan) -> str | None:
+        """Why the exact motion will not do, though it arrives; or None."""
+        if isinstance(self.by, Apart):
+            return None
+        if self.obstacles:
+            t = found.execute(method="momentum", sample_interval=self.period / 8)
+            kernel = np.full(8, 1 / 8)
+            means = np.column_stack([np.convolve(c, kernel, mode="valid") for c in t.position.T])
+            if np.any(free_distance(self.obstacles, means) < self.margin):
+                return "the exact motion comes nearer to an obstacle than the margin"
+        passed = [] if self.limits is None else found.demands().beyond(self.limits)
+        return f"it takes a {', a '.join(passed)}" if passed else None
+
+
+def _apart(model: Model, motions: Motions) -> Apart:
+    """The robot's single-axis models with the yaw model's legs as in the motions."""
+    rows = np.isclose(motions.amplitude, motions.amplitude.max())
+    offset, first = np.unique(motions.offset[rows], return_index=True)
+    ratio = (motions.yaw_amplitude[rows] / motions.amplitude[rows])[first]
+    return Apart(DecoupledModels(model.robot), offset, ratio)
 
 
 def _radius(model: Model) -> float:
@@ -276,4 +304,4 @@ def _bound(twists: Array, start: Array, goal: Array) -> float:
     turn = abs(gap(start.copy(), goal)[2])
     far = float(np.hypot(*(goal[:2] - start[:2])))
     speed, rate = np.linalg.norm(twists[:, :2], axis=1).max(), np.abs(twists[:, 2]).max()
-    return max(far / speed, turn / rate)
+    return float(max(far / speed, turn / rate))

@@ -19,6 +19,7 @@ from rrrobot.models.base import Model
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.steering.demands import Demands, demands_of
 from rrrobot.steering.obstacles import Obstacle, obstacle_from_dict
 from rrrobot.steering.shooting import gap
 from rrrobot.steering.standing import Rest, standing
@@ -35,12 +36,13 @@ class Plan:
         gait: the schedule, a `Gait` like any other.
         duration: until the body is at rest [s]; the legs are it at `gait.duration`.
         start, goal: (x, y, yaw) [m, m, rad].
-        predicted: where the exact motion ends (3,).
+        predicted: where the exact motion ends (3,), on the model that `on` says.
         path: the coarse plan, poses (n, 3).
         lower_bound: time that no plan of these gaits can beat: distance and turn at the highest
             speed and yaw rate [s].
         obstacles, margin: what was kept clear, and how far [m].
         rest: how the body stands at the start.
+        on: the model it was planned on: "full", or the "decoupled" ones.
 
     Example:
         >>> import rrrobot as rr
@@ -60,6 +62,7 @@ class Plan:
     obstacles: tuple[Obstacle, ...] = field(default=(), repr=False)
     margin: float = 0.0
     rest: Rest = field(repr=False)
+    on: str = "full"
 
     @property
     def error(self) -> Array:
@@ -87,6 +90,17 @@ class Plan:
             position=self.start[:2], progress=progress,
         )  # fmt: skip
 
+    def demands(self, trajectory: Trajectory | None = None) -> Demands:
+        """What the whole run asks of motors, ground and legs.
+
+        Args:
+            trajectory: of `execute`; simulated in 30 samples a leg cycle unless given.
+        """
+        if trajectory is None:
+            often = 2 * np.pi / self.gait.angular_frequency / 30
+            trajectory = self.execute(method="momentum", sample_interval=often)
+        return demands_of(trajectory)
+
     def to_dict(self) -> dict[str, Any]:
         """Schedule, poses and times as plain data."""
         return {
@@ -99,6 +113,7 @@ class Plan:
             "lower_bound": self.lower_bound,
             "obstacles": [o.to_dict() for o in self.obstacles],
             "margin": self.margin,
+            "on": self.on,
         }
 
     def plot(self, trajectory: Trajectory | None = None, ax: Any = None) -> Any:
@@ -161,6 +176,7 @@ class Plan:
                 gait=Schedule.from_dict(data["gait"]),
                 obstacles=tuple(obstacle_from_dict(o) for o in data["obstacles"]),
                 rest=rest,
+                on=data["on"],
                 **parts,
             )
         except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:

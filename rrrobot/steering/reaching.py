@@ -6,6 +6,7 @@ masses, radius, damping and slope (`identify`), and the next plan is of the robo
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
@@ -18,6 +19,7 @@ from rrrobot.errors import PlanError, RRRobotError
 from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
 from rrrobot.simulation.run import simulate
+from rrrobot.simulation.state import State
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.steering.identification import identify
 from rrrobot.steering.measured import MeasuredRun
@@ -26,7 +28,7 @@ from rrrobot.steering.planner import plan
 from rrrobot.steering.plans import Plan
 from rrrobot.steering.robots import Sensor, stepping_of
 from rrrobot.steering.shooting import gap, off
-from rrrobot.steering.standing import rest_of
+from rrrobot.steering.standing import standing
 
 _INTERVAL = 0.1
 """Between measurements [s]."""
@@ -55,7 +57,7 @@ class Reached:
     """A goal that was driven to.
 
     Attributes:
-        goal: (3,).
+        goal: where it was at last (3,).
         tries: what was driven, in order.
         end: true pose at last (3,).
         stopped: why no more was tried, or None where the goal was seen to be reached.
@@ -74,7 +76,7 @@ class Reached:
 
 def reach(
     model: Model,
-    goal: ArrayLike,
+    goal: ArrayLike | Callable[[float], ArrayLike],
     *,
     truth: Model | None = None,
     start: ArrayLike = (0.0, 0.0, 0.0),
@@ -87,7 +89,9 @@ def reach(
 
     Args:
         model: what is believed at first.
-        goal, start: (x, y, yaw) at rest.
+        goal: (x, y, yaw) at rest; of a goal that moves, a function of the time [s]: each plan then
+            leads to where the goal will be when the robot comes to rest.
+        start: (x, y, yaw) at rest.
         truth: the robot that is driven, of any ground; the believed one unless given.
         sensor: noise of the measured poses; none unless given.
         within: distance [m] and angle [rad] from the goal that is seen as reached.
@@ -108,7 +112,8 @@ def reach(
     """
     seer = Sensor() if sensor is None else sensor
     finite("tries", tries, at_least=1)
-    target = vector("goal", goal, 3, labels=("x", "y", "yaw"))
+    moving = goal if callable(goal) else lambda time: goal
+    clock, target = 0.0, _pose(moving(0.0))
     now = vector("start", start, 3, labels=("x", "y", "yaw"))
     if options.get("motions") is None:
         how = {k: options[k] for k in ("amplitude", "angular_frequency", "store") if k in options}
@@ -121,13 +126,15 @@ def reach(
     stopped: str | None = f"{tries} plans did not bring it there"
     for _ in range(tries):
         try:
-            made = _planned(believed, target, now, options)
+            made = _caught(believed, moving, clock, now, options)
         except PlanError as error:
             if not done:
                 raise
             stopped = str(error)
             break
-        t = _driven(real, made, true)
+        t = _driven(real, made, true, done[-1].trajectory if done else None)
+        clock += float(t.time[-1])
+        target = _pose(moving(clock))
         poses = np.column_stack((t.position, t.euler[:, 2]))
         true = poses[-1]
         seen = poses + noise.normal(size=poses.shape) * spread
@@ -143,6 +150,29 @@ def reach(
     return Reached(goal=target, tries=tuple(done), end=true, stopped=stopped)
 
 
+def _pose(values: ArrayLike) -> Array:
+    return vector("goal", values, 3, labels=("x", "y", "yaw"))
+
+
+def _caught(
+    believed: Model,
+    moving: Callable[[float], ArrayLike],
+    clock: float,
+    start: Array,
+    options: dict[str, Any],
+) -> Plan:
+    """A plan to where the goal will be when the robot rests, found by planning to where it was."""
+    arrival, made = clock, None
+    for _ in range(6):
+        target = _pose(moving(arrival))
+        if made is not None and off(gap(made.goal.copy(), target), (1e-3, 5e-3)) <= 1.0:
+            break
+        made = _planned(believed, target, start, options)
+        arrival = clock + made.duration + _STANDING * _INTERVAL
+    assert made is not None
+    return made
+
+
 def _planned(believed: Model, goal: Array, start: Array, options: dict[str, Any]) -> Plan:
     """A plan from the maps of the first model, and if that finds none, from the robot's own."""
     try:
@@ -153,15 +183,14 @@ def _planned(believed: Model, goal: Array, start: Array, options: dict[str, Any]
         return plan(believed, goal, start=start, **options | {"motions": motions})
 
 
-def _driven(real: Model, made: Plan, pose: Array) -> Trajectory:
-    """The true robot's run of a plan."""
-    standing = rest_of(real, made.rest.leg_angle, float(pose[2]))
-    length = made.gait.duration + max(standing.settling, made.rest.settling)
-    return simulate(
-        real, made.gait, length + _STANDING * _INTERVAL, _INTERVAL, start="rest",
-        euler=standing.euler, position=pose[:2],
-        **stepping_of(real),
-    )  # fmt: skip
+def _driven(real: Model, made: Plan, pose: Array, before: Trajectory | None) -> Trajectory:
+    """The true robot's run of a plan, from rest or on from the run before."""
+    how: dict[str, Any] = {
+        "start": "rest", "position": pose[:2],
+        "euler": standing(real, made.rest.leg_angle, float(pose[2])),
+    } if before is None else {"state": State.from_array(real, before.state[-1])}  # fmt: skip
+    length = made.duration + _STANDING * _INTERVAL
+    return simulate(real, made.gait, length, _INTERVAL, **how, **stepping_of(real))
 
 
 def _learnt(

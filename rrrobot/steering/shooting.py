@@ -10,6 +10,7 @@ import numpy as np
 from rrrobot.checks import Array
 from rrrobot.drive.schedule import Schedule
 from rrrobot.models.base import Model
+from rrrobot.models.recombined import DecoupledModels
 from rrrobot.rotations import quaternion_from_euler
 from rrrobot.steering.standing import Rest
 
@@ -20,35 +21,69 @@ STEPS_PER_CYCLE = 12
 _CHUNK = 400
 
 
+class Apart(NamedTuple):
+    """The single-axis models side by side, as a simpler model that plans are made on."""
+
+    models: DecoupledModels
+    offset: Array
+    """rising (n,) [rad]"""
+    ratio: Array
+    """of the yaw model's leg amplitude to the gait's, at these offsets (n,)"""
+
+    def of_yaw(self, schedule: Schedule) -> Schedule:
+        """The yaw model's own legs in a schedule."""
+        parts = []
+        for s in schedule.stretches:
+            ratio = float(np.interp(s.offset.mean(), self.offset, self.ratio))
+            parts.append(s._replace(sine=ratio * s.sine, cosine=ratio * s.cosine))
+        return Schedule(
+            parts, angular_frequency=schedule.angular_frequency, rest=schedule.rest,
+            blend=schedule.blend,
+        )  # fmt: skip
+
+
 def final_poses(
-    model: Model, schedules: Sequence[Schedule], start: Array, rest: Rest, *, tail: float
+    model: Model | Apart, schedules: Sequence[Schedule], start: Array, rest: Rest, *, tail: float
 ) -> Array:
     """Resting poses (x, y, yaw) after schedules from rest (n, 3) [m, m, rad]; NaN where one fails.
 
     Args:
-        model: that the momentum engine knows.
+        model: that the momentum engine knows, or single-axis models.
         schedules: all of one frequency.
         start: pose at rest (x, y, yaw) (3,).
         rest: how it stands there.
         tail: time after the longest schedule [s].
     """
     from rrrobot.momentum.batch import march, stage_times
-    from rrrobot.momentum.lowering import lower
+    from rrrobot.momentum.lowering import decoupled_setting, lower
     from rrrobot.momentum.summary import ROWS_PER_STEP
 
-    setting, n = lower(model), len(schedules)
+    n, yaw_schedules = len(schedules), None
+    if isinstance(model, Apart):
+        parts = model.models
+        setting = decoupled_setting(parts.robot, *parts.models)  # type: ignore[arg-type]
+        yaw_schedules = [model.of_yaw(s) for s in schedules]
+        lane = np.concatenate((rest.euler[:2], np.zeros(5), start))
+    else:
+        setting = lower(model)
+        lane = np.concatenate((quaternion_from_euler(rest.euler), np.zeros(3), start))
     step = 2 * np.pi / schedules[0].angular_frequency / STEPS_PER_CYCLE
     steps = int(np.ceil((max(s.duration for s in schedules) + tail) / step))
-    lane = np.concatenate((quaternion_from_euler(rest.euler), np.zeros(3), start))
     state = np.tile(lane, (n, 1))
+    # Once its legs rest, a schedule's rows are all the same.
+    still = table_of(setting, rest.leg_angle[None], np.zeros((1, rest.leg_angle.size)))[0]
     with np.errstate(all="ignore"):
         for first in range(0, steps, _CHUNK):
             count = min(_CHUNK, steps - first)
             times = stage_times(first * step, step, count)
             tables = np.empty((count * ROWS_PER_STEP + 1, 15, n))
             for i, schedule in enumerate(schedules):
-                motion = schedule(times)
-                tables[:, :, i] = table_of(setting, motion.angle, motion.rate)
+                moving = int(np.searchsorted(times, schedule.duration))
+                tables[moving:, :, i] = still
+                tables[:moving, :, i] = table_of(setting, *schedule.angle_and_rate(times[:moving]))
+                if yaw_schedules is not None:  # its inertia and momentum about the vertical
+                    own = table_of(setting, *yaw_schedules[i].angle_and_rate(times[:moving]))
+                    tables[:moving, [5, 14], i] = own[:, [5, 14]]
             state = march(setting, tables, np.full(count, step), state)[-1]
     return state[:, 7:10]
 
@@ -92,7 +127,7 @@ class Knobs(NamedTuple):
 
 
 def shoot(
-    model: Model,
+    model: Model | Apart,
     knobs: Knobs,
     guess: Array,
     start: Array,
@@ -109,7 +144,7 @@ def shoot(
     is a little off; of all changes that would do, the least. A step that does not help is halved.
 
     Args:
-        model: that the momentum engine knows.
+        model: as for `final_poses`.
         knobs: the schedule as a function of k numbers, k at least three.
         guess: to begin with (k,).
         start, goal: resting poses (x, y, yaw) (3,) [m, m, rad].
