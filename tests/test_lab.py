@@ -234,3 +234,26 @@ def test_knobs_can_be_set_by_a_script_too(lab, page):
     session.choose(replace(session.knobs, gravity=1.62))
     assert session.settled() and session.refusal is None
     assert session.outcome.trajectory.gravity == 1.62
+
+
+def test_a_link_opens_the_same_state_and_code_is_shown(lab, page):
+    knobs = replace(latest(lab).knobs, frequency=6.5, gravity=9.81, horizon=40.0)
+    before = set(lab.sessions)
+    page.open(f"{lab.url}?lab={knobs.text()}", READY)
+    wait_until(lambda: set(lab.sessions) - before)
+    session = latest(lab)
+    session.player.playing = False
+    wait_until(lambda: session.knobs == knobs and session.settled())
+    alone = settle(ROBOT, knobs)
+    wait_until(lambda: abs(shown(page, "speed") / alone.speed - 1) < 1e-9)
+    tab(page, "Take home")
+    page.wait_for(
+        "[...document.querySelectorAll('button')].some(b => b.innerText == 'Python code')"
+    )
+    page.run("[...document.querySelectorAll('button')].find("
+             "b => b.innerText == 'Python code').click()")  # fmt: skip
+    page.wait_for("document.querySelector('.rr-code') != null")
+    assert "angular_frequency=[6.5, 6.5]" in page.run(
+        "document.querySelector('.rr-code').innerText"
+    )
+    assert not page.problems

@@ -119,7 +119,7 @@ class Atlas:
         self._plane.content = pictures[1].html(*on_plane)
 
     def _place(self, text: str) -> None:
-        numbers = _two(text)
+        numbers = numbers_in(text, 2)
         if numbers is not None and self._outcome is not None:
             if self._robot.n_legs != 2:
                 self._refused("The map is for two legs.")
@@ -127,7 +127,7 @@ class Atlas:
             self._chosen(placed(self._outcome.knobs, numbers[0] * _RAD, numbers[1] * _RAD))
 
     def _seek(self, text: str) -> None:
-        numbers, chart, outcome = _two(text), self.chart, self._outcome
+        numbers, chart, outcome = numbers_in(text, 2), self.chart, self._outcome
         if numbers is None or chart is None or outcome is None:
             return
         curvature, speed = numbers
@@ -139,13 +139,12 @@ class Atlas:
         self._chosen(found)
 
 
-def _two(text: str) -> tuple[float, float] | None:
-    """Two finite numbers, or None while they are being typed."""
-    words = text.replace(",", " ").split()
+def numbers_in(text: str, count: int) -> tuple[float, ...] | None:
+    """So many finite numbers, or None while they are being typed."""
     try:
-        numbers = [float(word) for word in words]
+        numbers = tuple(float(word) for word in text.replace(",", " ").split())
     except ValueError:
         return None
-    if len(numbers) != 2 or not all(abs(number) < 1e6 for number in numbers):
+    if len(numbers) != count or not all(abs(number) < 1e6 for number in numbers):
         return None
-    return numbers[0], numbers[1]
+    return numbers

@@ -31,7 +31,7 @@ _LONGEST_STEP = 0.025
 _RUN = 30.0
 """Longest run where nothing settles [s]."""
 _SETTLED = 1e-3
-_LOCK = threading.Lock()
+LOCK = threading.Lock()
 """Python's warnings are the process's: one computation collects them at a time."""
 
 
@@ -157,16 +157,16 @@ def settle(given: Robot, knobs: Knobs, near: Outcome | None = None) -> Outcome:
     Raises:
         Refusal: there is none that could be shown.
     """
-    with _LOCK, warnings.catch_warnings(record=True) as told:
+    with LOCK, warnings.catch_warnings(record=True) as told:
         warnings.simplefilter("always")
         try:
             found = _cycle(given, knobs, near) if knobs.settles else _run(given, knobs)
         except SimulationError as error:
-            raise Refusal(f"The robot tips over: {_short(error)}") from None
+            raise Refusal(f"The robot tips over: {short(error)}") from None
         except OrbitError as error:
-            raise Refusal(f"No settled motion: {_short(error)}") from None
+            raise Refusal(f"No settled motion: {short(error)}") from None
         except (GaitError, ModelError, RRRobotError) as error:
-            raise Refusal(_short(error)) from None
+            raise Refusal(short(error)) from None
         except FloatingPointError as error:
             raise Refusal(f"The numbers overflow: {error}.") from None
     more = (" ".join(str(w.message).split()) for w in told)
@@ -197,7 +197,7 @@ def _cycle(given: Robot, knobs: Knobs, near: Outcome | None) -> dict[str, Any]:
         )
     trajectory = cycle.trajectory(sample_interval=cycle.period / steps)
     return {
-        **_forces(trajectory),
+        **forces(trajectory),
         "trajectory": trajectory,
         "screw": Screw(cycle.turn, cycle.displacement),
         "speed": cycle.speed,
@@ -218,14 +218,14 @@ def ghost(given: Robot, knobs: Knobs, name: str) -> Array:
     """
     if not knobs.settles:
         raise Refusal("Other models are shown where the motion repeats.")
-    with _LOCK, warnings.catch_warnings():
+    with LOCK, warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
             model = knobs.other(given, name)
             cycle = limit_cycle(model, knobs.gait(), steps_per_cycle=_steps(knobs))
             points = cycle.trajectory(sample_interval=cycle.period / STEPS).position
         except RRRobotError as error:
-            raise Refusal(f"The {name} model: {_short(error)}") from None
+            raise Refusal(f"The {name} model: {short(error)}") from None
     laps = max(1, round(knobs.horizon / cycle.period))
     return screwed(points[:-1], Screw(cycle.turn, cycle.displacement), laps)
 
@@ -246,7 +246,7 @@ def _run(given: Robot, knobs: Knobs) -> dict[str, Any]:
             f"The robot lifts off after {trajectory.lift_off_time:.3g} s: this motion means "
             "nothing from there."
         )
-    found = _forces(trajectory)
+    found = forces(trajectory)
     state = trajectory.steady_state()
     settled = bool(state.variation < _SETTLED) or not moves
     words = () if settled else (
@@ -266,7 +266,8 @@ def _run(given: Robot, knobs: Knobs) -> dict[str, Any]:
     }
 
 
-def _forces(trajectory: Trajectory) -> dict[str, float]:
+def forces(trajectory: Trajectory) -> dict[str, float]:
+    """Largest needed friction and largest torque."""
     torque = np.abs(trajectory.leg_torque)
     return {
         "friction": float(trajectory.required_friction.max()),
@@ -287,7 +288,7 @@ def _mean(points: Array) -> Array:
     return np.asarray(0.5 * (points[:-1] + points[1:]).mean(axis=0))
 
 
-def _short(error: Exception) -> str:
+def short(error: Exception) -> str:
     """An error's first sentence."""
     text = " ".join(str(error).split())
     end = text.find(". ")

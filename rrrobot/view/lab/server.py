@@ -77,7 +77,7 @@ class Laboratory:
             self._first = settle(self.robot, Knobs.of(self.robot))
 
     def _opened(self, client: Any) -> None:
-        session = Session(client, self.robot, Knobs.of(self.robot), self._first)
+        session = Session(client, self.robot, Knobs.of(self.robot), self.url, self._first)
         with self._lock:
             self.sessions[client.client_id] = session
 

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import threading
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.robot.robot import Robot
-from rrrobot.view.commands import FIELD_OF_VIEW, material, ribbon_mesh, set_mesh
+from rrrobot.view.commands import FIELD_OF_VIEW, Colour, material, ribbon_mesh, set_mesh
 from rrrobot.view.film import thin
 from rrrobot.view.lab.atlas import Atlas
 from rrrobot.view.lab.charts import Charts
@@ -19,9 +20,11 @@ from rrrobot.view.lab.outcome import Outcome, Refusal, ghost, settle
 from rrrobot.view.lab.panel import Panel, numbers
 from rrrobot.view.lab.player import Player
 from rrrobot.view.lab.stage import Stage
+from rrrobot.view.lab.tabs import home_tab, link_field, motions_tab
 from rrrobot.view.scene import Scene
 
 _MEAN = (0.10, 0.35, 0.75)
+_KEPT = (0.45, 0.45, 0.45)
 GHOSTS = {"pivoting": (0.10, 0.60, 0.30), "decoupled": (0.95, 0.60, 0.10)}
 """Other models, and the colours of their paths."""
 _LATE = 1.0
@@ -37,6 +40,7 @@ class Session:
         client: of viser.
         robot: the laboratory's.
         knobs: where the sliders stand at first.
+        url: of the page.
         near: a motion of knobs nearby, from which the first search starts.
 
     Attributes:
@@ -48,18 +52,20 @@ class Session:
     """
 
     def __init__(
-        self, client: Any, robot: Robot, knobs: Knobs, near: Outcome | None = None
+        self, client: Any, robot: Robot, knobs: Knobs, url: str, near: Outcome | None = None
     ) -> None:
         self.client, self.robot, self.knobs = client, robot, knobs
         self.outcome: Outcome | None = None
-        self._near = near
+        self._last: Outcome | None = None
+        self._near, self._url = near, url
         self.refusal: str | None = None
         self.latency = self.cost = 0.0
         self._stage = Stage(client.scene)
         self.player = Player(client, self._stage)
         self._scene: Scene | None = None
         self._staged = 0.0
-        self._wanted: tuple[Knobs, float] | None = None
+        self._wanted: tuple[Callable[[], Outcome], float] | None = None
+        self._running: Callable[[], Outcome] | None = None
         self._wake, self._closed = threading.Condition(), False
         self._build()
         self._worker = threading.Thread(target=self._work, name="rrrobot lab", daemon=True)
@@ -69,10 +75,29 @@ class Session:
 
     def turn(self, knobs: Knobs) -> None:
         """Ask for the motion at other knobs; of several asked for at once, the last one counts."""
+        self.knobs = knobs
+        self.ask(lambda: settle(self.robot, knobs, self._last or self._near))
+
+    def ask(self, job: Callable[[], Outcome]) -> None:
+        """Show what a job comes to, in the place of what is waiting to be shown."""
         with self._wake:
-            self.knobs = knobs
-            self._wanted = knobs, time.perf_counter()
+            self._wanted = job, time.perf_counter()
             self._wake.notify_all()
+
+    def overtaken(self) -> bool:
+        """Whether something else has been asked for than what is being computed."""
+        return self._closed or (self._wanted is not None and self._wanted[0] is not self._running)
+
+    def keep(self, path: Array | None) -> None:
+        """Keep a path beside those that come, in grey; None: forget it."""
+        if path is None or self._scene is None:
+            self._stage.remove("/world/ground/kept")
+            return
+        self._ribbon("/world/ground/kept", path, self._scene, _KEPT, 0.1)
+
+    def say(self, words: str) -> None:
+        """A note on the page that goes away."""
+        self.client.add_notification("rrrobot", words, auto_close_seconds=10.0)
 
     def settled(self, timeout: float = 30.0) -> bool:
         """Wait until what was asked for is shown."""
@@ -110,8 +135,13 @@ class Session:
             self._view_tab()
         with tabs.add_tab("Map"):
             self.atlas = Atlas(gui, self.robot, self.choose, self._refuse)
+        with tabs.add_tab("Motions"):
+            motions_tab(gui, self)
         with tabs.add_tab("Plots"):
             self._charts = Charts(gui, self.robot.legs)
+        with tabs.add_tab("Take home"):
+            home_tab(gui, self)
+        self._write_link = link_field(gui, self, self._url)
 
     def choose(self, knobs: Knobs) -> None:
         """Set all sliders, and ask for the motion."""
@@ -167,23 +197,24 @@ class Session:
                 if self._closed:
                     return
                 assert self._wanted is not None
-                knobs, asked = self._wanted
-            self._answer(knobs, asked)
-            if self._wanted[0] is knobs:
-                self._show_ghosts(knobs)
+                job, asked = self._wanted
+                self._running = job
+            self._answer(job, asked)
+            if self._wanted[0] is job:
+                self._show_ghosts(self.knobs)
             with self._wake:
-                if self._wanted is not None and self._wanted[0] is knobs:
+                if self._wanted is not None and self._wanted[0] is job:
                     self._wanted = None
                     self._wake.notify_all()
 
-    def _answer(self, knobs: Knobs, asked: float) -> None:
+    def _answer(self, job: Callable[[], Outcome], asked: float) -> None:
         """Compute and show; whatever goes wrong is said in the panel, and the page lives on."""
         began = time.thread_time()
         late = threading.Timer(_LATE, self._tell_of_waiting)
         late.daemon = True
         late.start()
         try:
-            outcome = settle(self.robot, knobs, self.outcome or self._near)
+            outcome = job()
         except Refusal as refusal:
             self._refuse(str(refusal))
             return
@@ -200,6 +231,9 @@ class Session:
             self._draw_path(outcome, scene)
             self._charts.show(outcome)
         self.outcome = outcome
+        if outcome.cycle is not None:
+            self._last = outcome
+        self._write_link(outcome.knobs)
         self.client.flush()
         self.latency, self.cost = time.perf_counter() - asked, time.thread_time() - began
         self.player.show(outcome, scene)
@@ -274,17 +308,18 @@ class Session:
                 points = ghost(self.robot, knobs, name)
             except Refusal as refusal:
                 self._stage.show(path, False)
-                self._say(str(refusal))
+                self.say(str(refusal))
                 continue
-            points = points[thin(points, scene.detail)]
-            if len(points) > 1:
-                ribbon = ribbon_mesh(points, scene.detail, lift=0.15 * scene.detail)
-                look = material(GHOSTS[name], "MeshBasicMaterial")
-                self._stage.send([set_mesh(path, ribbon, look)])
+            self._ribbon(path, points, scene, GHOSTS[name], 0.15)
         self.client.flush()
 
-    def _say(self, words: str) -> None:
-        self.client.add_notification("rrrobot", words, auto_close_seconds=8.0)
+    def _ribbon(self, path: str, points: Array, scene: Scene, colour: Colour, lift: float) -> None:
+        """A line on the ground; `lift` in the trace's details, so that lines do not flicker."""
+        points = points[thin(points, scene.detail)]
+        if len(points) > 1:
+            ribbon = ribbon_mesh(points, scene.detail, lift=lift * scene.detail)
+            look = material(colour, "MeshBasicMaterial")
+            self._stage.send([set_mesh(path, ribbon, look)])
 
     def _show_path_switches(self) -> None:
         for path in ("/world/ground/trace", "/world/ground/mean"):

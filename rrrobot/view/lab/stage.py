@@ -55,6 +55,8 @@ class Stage:
 
     def remove(self, path: str) -> None:
         """Take a node and all below it away."""
+        if path not in self._nodes:
+            return
         for name in [n for n in self._nodes if f"{n}/".startswith(f"{path}/")]:
             del self._nodes[name]
         self._scene.remove_by_name(path)
