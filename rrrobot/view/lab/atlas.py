@@ -96,6 +96,8 @@ class Atlas:
                 continue
             chart = motion_map(self._robot, knobs)
             with self._wake:
+                if self._closed:  # the page was left meanwhile
+                    return
                 self.chart, self._key = chart, map_key(knobs)
             self._recolour()
             with self._wake:
@@ -109,7 +111,7 @@ class Atlas:
 
     def _draw(self) -> None:
         outcome, pictures = self._outcome, self._pictures
-        if outcome is None or pictures is None:
+        if outcome is None or pictures is None or self._closed:
             return
         if not mappable(self._robot, outcome.knobs):
             self._map.content, self._plane.content = _WAIT, ""
