@@ -11,6 +11,8 @@ from click.testing import CliRunner, Result
 import rrrobot as rr
 from rrrobot.cli.main import cli
 
+pytestmark = pytest.mark.usefixtures("compiled_engine")
+
 QUICK = ("rrrobot", "--goal", "left", "--budget", "600", "--postures", "2")
 
 
