@@ -184,7 +184,8 @@ def test_plans_on_the_decoupled_models(model):
         gear = Gear(maps, name)
         drive = gear.drive(0.7 * gear.fastest(3.0), 3.0)
         assert drive.speed == pytest.approx(0.7 * gear.fastest(3.0), rel=1e-6)
-        assert drive.twist[2] / drive.speed == pytest.approx(3.0, rel=1e-6)
+        # The steering number is interpolated between 241 nodes.
+        assert drive.twist[2] / drive.speed == pytest.approx(3.0, rel=1e-4)
 
 
 def test_a_start_elsewhere_is_the_same_plan_moved(model):
