@@ -173,7 +173,7 @@ def test_trajectory_screw_and_centre():
 def test_decoupled_is_the_three_models_together():
     models, gait = rr.models.DecoupledModels(ROBOT), rr.gait("circular")
     c = limit_cycle(models, gait)
-    s = rr.decoupled(ROBOT, gait, 40.0, 0.04).steady_state(start=30.0)
+    s = rr.decoupled(ROBOT, gait, 40.0, 0.03).steady_state(start=30.0)
     assert c.speed == pytest.approx(s.speed, rel=1e-7)
     assert c.yaw_rate == pytest.approx(s.yaw_rate, rel=1e-7)
     t = c.trajectory(2 * c.period, c.period / 40)

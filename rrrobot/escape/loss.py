@@ -56,7 +56,7 @@ def rocking_damping(model: FullModel, posture: Array, ratio: float = RATIO) -> B
         >>> up = np.full(2, np.pi / 2)
         >>> model = rr.FullModel(rr.Robot.from_parameters(), damping=None)
         >>> lossy = rr.FullModel(model.robot, damping=rocking_damping(model, up, 0.1))
-        >>> [round(m.decay_rate / abs(m.eigenvalue), 2) for m in rr.modes(lossy, up)][:2]
+        >>> [round(m.decay_rate / abs(m.eigenvalue), 2) for m in rr.modes(lossy, up)[:2]]
         [0.1, 0.1]
     """
     finite("ratio", ratio, above=0)

@@ -78,7 +78,7 @@ def reproduce(
 
     Example:
         >>> import rrrobot as rr
-        >>> found = rr.paper.reproduce("paper", only=["table2"])
+        >>> found = rr.paper.reproduce("paper", only=["table3"])
         >>> found.sections[0].rows[0]["verdict"]
         'agrees'
     """
