@@ -20,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import rrrobot as rr
-from rrrobot.momentum.batch import RESULT, Gaits, Setting, lower, steady_states
+from rrrobot.drive.gaits import GaitBatch
+from rrrobot.momentum.batch import RESULT, Setting, lower, steady_states
 
 Array = NDArray[np.float64]
 
@@ -53,10 +54,10 @@ class Plane(NamedTuple):
     offset: Array
     phase: Array
 
-    def gaits(self) -> Gaits:
+    def gaits(self) -> GaitBatch:
         """As the engine takes them."""
         n, zero = self.offset.size, np.zeros_like(self.phase)
-        return Gaits(
+        return GaitBatch.sinusoidal(
             np.column_stack((self.offset, self.offset)),
             np.full((n, 2), AMPLITUDE),
             np.column_stack((zero, self.phase)),
@@ -102,7 +103,7 @@ def full_model(damping: rr.drive.Damping | float = KAPPA) -> rr.FullModel:
 
 def engine(
     setting: Setting,
-    gaits: Gaits,
+    gaits: GaitBatch,
     *,
     cycles: int = CYCLES,
     counted: int = COUNTED,
@@ -113,10 +114,10 @@ def engine(
     """The engine's steady states (n, len(RESULT)), on threads over chunks of gaits."""
 
     def part(first: int) -> Array:
-        some = Gaits(*(a[first : first + size] for a in gaits))
+        some = gaits.rows(slice(first, first + size))
         return steady_states(setting, some, cycles=cycles, counted=counted, steps_per_cycle=steps)
 
-    n = len(gaits.offset)
+    n = gaits.n
     # A multiple of the engine's sixteen lanes.
     size = chunk or 16 * max(1, -(-n // (16 * 4 * threads)))
     if threads == 1 and not chunk:
@@ -133,7 +134,7 @@ def engine_motion(found: Array) -> Motion:
     return Motion(found[:, RESULT.index("speed")], found[:, RESULT.index("yaw_rate")])
 
 
-def true_motion(gaits: Gaits, damping: rr.drive.Damping | float = KAPPA) -> Motion:
+def true_motion(gaits: GaitBatch, damping: rr.drive.Damping | float = KAPPA) -> Motion:
     """The true answer: the engine with four times its usual steps."""
     return engine_motion(engine(lower(full_model(damping)), gaits, steps=TRUE_STEPS))
 

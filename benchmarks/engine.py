@@ -30,7 +30,6 @@ from benchmarks.common import (
     ROOT,
     STEPS,
     TRUE_STEPS,
-    Gaits,
     Timing,
     clocked,
     engine,
@@ -43,6 +42,7 @@ from benchmarks.common import (
     repeated,
 )
 from rrrobot import FullModel
+from rrrobot.drive.gaits import GaitBatch
 from rrrobot.momentum.batch import LOADS, RESULT, lower, steady_states
 
 MILLION_CYCLES = 26
@@ -160,12 +160,12 @@ def threads(gaits: int, repeats: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def some_gaits(n: int, n_legs: int, amplitude: float | None = None, seed: int = 2) -> Gaits:
+def some_gaits(n: int, n_legs: int, amplitude: float | None = None, seed: int = 2) -> GaitBatch:
     """Random gaits of any number of legs."""
     rng = np.random.default_rng(seed)
     shape = (n, n_legs)
     swing = rng.uniform(0.1, 0.4, shape) if amplitude is None else np.full(shape, amplitude)
-    return Gaits(
+    return GaitBatch.sinusoidal(
         rng.uniform(0, np.pi, shape), swing, rng.uniform(0, 2 * np.pi, shape), np.full(n, OMEGA)
     )
 

@@ -14,7 +14,8 @@ from typing import Any
 import numpy as np
 
 import rrrobot as rr
-from rrrobot.momentum.batch import Gaits, steady_states
+from rrrobot.drive.gaits import GaitBatch
+from rrrobot.momentum.batch import steady_states
 from rrrobot.momentum.lowering import lower
 
 TARGETS = {
@@ -58,7 +59,9 @@ def cost_ratios(gaits: int = 512, rounds: int = 7) -> dict[str, float]:
         for name, (shell, ground) in pairs().items()
     }
     phase = np.column_stack((np.zeros(gaits), np.linspace(0.1, 6.2, gaits)))
-    many = Gaits(np.full((gaits, 2), 0.8), np.full((gaits, 2), 0.3), phase, np.full(gaits, 8.0))
+    many = GaitBatch.sinusoidal(
+        np.full((gaits, 2), 0.8), np.full((gaits, 2), 0.3), phase, np.full(gaits, 8.0)
+    )
     best = dict.fromkeys(settings, np.inf)
     for _ in range(rounds):
         for name, setting in settings.items():

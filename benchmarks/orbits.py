@@ -29,7 +29,7 @@ from benchmarks.common import (
     plane,
 )
 from benchmarks.kane_peer import simulator, starts
-from rrrobot.momentum.batch import RESULT, fourier, lower, steady_states
+from rrrobot.momentum.batch import RESULT, lower, steady_states
 from rrrobot.orbits.many import orbits_of
 
 ROWS, REPEATS, TRUE_STEPS = 40, 7, 60
@@ -42,15 +42,12 @@ _MOVING = 2e-4
 
 def measured() -> dict[str, Any]:
     """Times and errors of the ways to settle."""
-    setting, sinusoids = lower(full_model()), plane(ROWS, ROWS).gaits()
-    gaits = fourier(sinusoids)
+    setting, gaits = lower(full_model()), plane(ROWS, ROWS).gaits()
     truth = orbits_of(setting, gaits, TRUE_STEPS).results[:, _SPEED]
     moving = truth > _MOVING
 
     def cycles() -> Any:
-        return steady_states(
-            setting, sinusoids, cycles=CYCLES, counted=COUNTED, steps_per_cycle=STEPS
-        )
+        return steady_states(setting, gaits, cycles=CYCLES, counted=COUNTED, steps_per_cycle=STEPS)
 
     def orbits(steps: int, stability: bool) -> Callable[[], Any]:
         return lambda: orbits_of(setting, gaits, steps, stability=stability).results

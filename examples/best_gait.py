@@ -10,7 +10,7 @@ import rrrobot as rr
 out = Path("out")
 out.mkdir(exist_ok=True)
 model = rr.FullModel(rr.Robot.from_parameters())
-bounds = {"amplitude": (0.1, 0.3), "frequency": 8.0, "offset": (0.3, np.pi - 0.3)}
+bounds = {"amplitude": (0.1, 0.3), "angular_frequency": 8.0, "offset": (0.3, np.pi - 0.3)}
 
 found = {}
 for goal in (rr.studies.FastestTravel(), rr.studies.TightestTurn(min_speed=0.004)):

@@ -2,8 +2,6 @@
 
 from pathlib import Path
 
-from tqdm import tqdm
-
 import rrrobot as rr
 from rrrobot.view.films import record
 
@@ -20,13 +18,7 @@ print(robot)
 lines = []
 written = []
 for name, (speed, yaw_rate) in REFERENCE.items():
-    with tqdm(total=DURATION, desc=f"{name} gait", bar_format="{desc} |{bar}| {n:.1f} s") as bar:
-        trajectory = rr.simulate(
-            model,
-            rr.gait(name),
-            duration=DURATION,
-            progress=lambda time, b=bar: b.update(time - b.n),
-        )
+    trajectory = rr.simulate(model, rr.gait(name), duration=DURATION, progress=True)
     settled = trajectory.steady_state(start=SETTLED)
     for symbol, unit, value, reference in (
         ("v", "m/s", settled.speed, speed),

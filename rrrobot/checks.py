@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from numbers import Real
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -54,6 +53,19 @@ def finite(
     return number
 
 
+def whole(name: str, value: object, *, at_least: int, at_most: int | None = None) -> int:
+    """Return `value` as an int; it must be a whole number in the range.
+
+    Raises:
+        ParameterError: with the name, the value and the rule.
+    """
+    rule = f"at least {at_least}" if at_most is None else f"from {at_least} to {at_most}"
+    integer = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
+    if not integer or value < at_least or (at_most is not None and value > at_most):  # type: ignore[operator]
+        raise ParameterError(f"{name} is {value!r}: it must be a whole number, {rule}.")
+    return int(value)  # type: ignore[call-overload]
+
+
 def vector(
     name: str,
     value: ArrayLike,
@@ -87,22 +99,6 @@ def vector(
         shown = f"{array.tolist()} {unit}".rstrip()
         raise error(f"{name} is {shown}: every entry must be finite.")
     return array
-
-
-def told(progress: object) -> Any:
-    """A function that is told how far a run is, or None for None and False.
-
-    Raises:
-        ParameterError: anything else; only sweeps have a bar of their own (True).
-    """
-    if progress is None or progress is False:
-        return None
-    if not callable(progress):
-        raise ParameterError(
-            f"progress is {progress!r}: it must be a function that is called as the run goes on, "
-            "or None for none."
-        )
-    return progress
 
 
 def _number(bound: float) -> str:

@@ -17,6 +17,7 @@ ROOT = Path(__file__).parent.parent
 LAYERS = (
     ("errors", "lazy"),
     ("checks", "files", "serial"),
+    ("progress", "results"),
     ("rotations", "integrate", "inline"),
     ("canvas",),
     ("drawing",),

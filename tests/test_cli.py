@@ -480,7 +480,7 @@ def test_a_run_that_stops_tells_of_save() -> None:
 
 
 def test_interrupt_keeps_what_was_computed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def press_ctrl_c(time: float) -> None:
+    def press_ctrl_c(time: float, part: str = "") -> None:
         if time > 0.5:
             raise KeyboardInterrupt
 
@@ -488,7 +488,7 @@ def test_interrupt_keeps_what_was_computed(tmp_path: Path, monkeypatch: pytest.M
     def bar(*_: object, **__: object) -> Iterator[object]:
         yield press_ctrl_c
 
-    monkeypatch.setattr(cli_simulate, "progress_bar", bar)
+    monkeypatch.setattr("rrrobot.simulation.flow.progress_of", bar)
     path = tmp_path / "part.npz"
     result = run("simulate", "--save", str(path))
     assert result.exit_code == 130

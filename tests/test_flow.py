@@ -130,7 +130,7 @@ def test_long_runs_say_why():
     class Stop(Exception):
         pass
 
-    def stop(_):
+    def stop(*_):
         raise Stop
 
     quick = rr.SinusoidalGait(offset=1.5, amplitude=0.1, angular_frequency=1e4)
@@ -139,7 +139,7 @@ def test_long_runs_say_why():
 
     count = []
 
-    def stop_later(_):
+    def stop_later(*_):
         count.append(1)
         if len(count) > 501:
             raise Stop

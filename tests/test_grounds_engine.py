@@ -7,10 +7,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import rrrobot as rr
-from rrrobot.momentum.batch import RESULT, Gaits, steady_states
+from rrrobot.drive.gaits import GaitBatch
+from rrrobot.momentum.batch import RESULT, steady_states
 from rrrobot.momentum.kernels import ANY, GROUND_END, OK
 from rrrobot.momentum.lowering import lower
 from rrrobot.momentum.terrain import fineness, series_at, terrain_of
+from rrrobot.simulation.heights import clearance
 from tests.random_robot import random_robot
 from tests.some import some
 from tests.terrain import BOULDER, BOX, EGG, EL, GAIT, GRAPH, LEVEL, PAIRS, SLOPE, SP, START, model
@@ -149,9 +151,15 @@ def test_steps_follow_the_sharpness():
     assert fineness(rr.Ellipsoid((0.15, 0.11, 0.13))) == 3
 
 
-def gaits(n):
+def gaits(n, amplitude=0.3):
     phase = np.column_stack((np.zeros(n), np.linspace(0.3, 6.0, n)))
-    return Gaits(np.full((n, 2), 0.8), np.full((n, 2), 0.3), phase, np.full(n, 8.0))
+    return GaitBatch.sinusoidal(
+        np.full((n, 2), 0.8), np.full((n, 2), amplitude), phase, np.full(n, 8.0)
+    )
+
+
+def phase_of(many, row):
+    return many.gait(row).phase
 
 
 @pytest.mark.parametrize("name", some("ADE", "A"))
@@ -159,7 +167,9 @@ def test_steady_states_are_those_of_a_simulation(name):
     full = model(*PAIRS[name])
     many = gaits(3)
     found = steady_states(lower(full), many, cycles=38, counted=20, steps_per_cycle=20, loads=True)
-    gait = rr.SinusoidalGait(offset=0.8, amplitude=0.3, angular_frequency=8.0, phase=many.phase[1])
+    gait = rr.SinusoidalGait(
+        offset=0.8, amplitude=0.3, angular_frequency=8.0, phase=phase_of(many, 1)
+    )
     period = 2 * np.pi / 8
     t = rr.simulate(full, gait, 38 * period, period / 80, method="momentum", step=period / 80)
     steady = t.steady_state(start=18 * period)
@@ -171,16 +181,19 @@ def test_steady_states_are_those_of_a_simulation(name):
     assert row["normal_force"] == pytest.approx(t.normal_force[last].min(), abs=2e-3)
     assert row["friction"] == pytest.approx(t.required_friction[last].max(), rel=2e-2)
     assert row["peak"] == pytest.approx(np.abs(t.leg_torque[last]).max(), rel=1e-3)
+    assert row["clearance"] == pytest.approx(clearance(t, last), abs=1e-5)
 
 
 @pytest.mark.parametrize("ground", [SLOPE, BOULDER, GRAPH], ids=["slope", "boulder", "graph"])
 def test_loads_where_the_motion_does_not_repeat(ground):
     """Forces of the last cycle on ground whose normal changes along the way."""
     full = model(SP if ground is BOULDER else EL, ground)
-    many = gaits(2)._replace(amplitude=np.full((2, 2), 0.1))
+    many = gaits(2, amplitude=0.1)
     found = steady_states(lower(full), many, cycles=4, counted=3, steps_per_cycle=20, loads=True)
     period = 2 * np.pi / 8
-    gait = rr.SinusoidalGait(offset=0.8, amplitude=0.1, angular_frequency=8.0, phase=many.phase[0])
+    gait = rr.SinusoidalGait(
+        offset=0.8, amplitude=0.1, angular_frequency=8.0, phase=phase_of(many, 0)
+    )
     t = rr.simulate(full, gait, 4 * period, period / 40, method="momentum", step=period / 40)
     # The samples of the engine's own last cycle, from its start to its last step.
     last = slice(-41, -2)

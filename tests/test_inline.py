@@ -58,7 +58,7 @@ def run(robot):
 @pytest.fixture(scope="module")
 def results(robot, run):
     best = rr.optimise(
-        rr.FullModel(robot), FastestTravel(), offset=1.2, amplitude=0.3, frequency=8.0,
+        rr.FullModel(robot), FastestTravel(), offset=1.2, amplitude=0.3, angular_frequency=8.0,
         phase_difference=1.5, settle_time=3.0,
     )  # fmt: skip
     front = rr.pareto_front(rr.FullModel(robot), points=3, budget=400, settle_time=8.0, tied=True)

@@ -27,7 +27,11 @@ def test_a_video_shows_at_each_time_what_the_page_shows(trajectory, tmp_path):
     ffmpeg = pytest.importorskip("imageio_ffmpeg")
     seen = []
     options = {"size": SIZE, "caption": False, "trace": "whole"}
-    film = rr.record(trajectory, tmp_path / "film.mp4", fps=4, progress=seen.append, **options)
+
+    def told(done, _):
+        seen.append(done)
+
+    film = rr.record(trajectory, tmp_path / "film.mp4", fps=4, progress=told, **options)
     assert seen == [0.0, 0.25, 0.5, 0.75, 1.0]
     wide, high = SIZE
     command = (ffmpeg.get_ffmpeg_exe(), "-i", film, "-f", "rawvideo", "-pix_fmt", "rgb24", "-")

@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
+from rrrobot.drive.gaits import GaitBatch
 from rrrobot.momentum.batch import (
     LOADS,
     RESULT,
-    FourierGaits,
-    Gaits,
     decoupled_setting,
     lower,
     ready,
@@ -33,7 +32,7 @@ def gaits(offset, phase):
     offset, phase = np.broadcast_arrays(np.asarray(offset, float), np.asarray(phase, float))
     offset, phase = offset.ravel(), phase.ravel()
     n = offset.size
-    return Gaits(
+    return GaitBatch.sinusoidal(
         np.column_stack((offset, offset)),
         np.full((n, 2), 0.3),
         np.column_stack((0 * phase, phase)),
@@ -148,13 +147,11 @@ def test_steady_states_are_those_of_the_trajectories(model):
 def test_decoupled_lanes_are_the_decoupled_trajectory():
     robot = rr.Robot.from_parameters()
     for amplitude in (None, 0.35):
-        other = None if amplitude is None else np.full((1, 2), amplitude)
+        yaw = None if amplitude is None else rr.gait("circular", amplitude=amplitude)
+        other = None if yaw is None else GaitBatch.of([yaw])
         row = steady_states(
-            decoupled_setting(robot), gaits(np.pi / 4, np.pi / 2), yaw_amplitude=other, **COUNTS
+            decoupled_setting(robot), gaits(np.pi / 4, np.pi / 2), yaw=other, **COUNTS
         )[0]
-        yaw = None
-        if amplitude is not None:
-            yaw = rr.gait("circular", amplitude=amplitude)
         s = rr.decoupled(robot, rr.gait("circular"), 30.0, 0.02, yaw_gait=yaw).steady_state()
         assert row[0] == pytest.approx(s.speed, rel=1e-6)
         assert row[3] == pytest.approx(s.yaw_rate, rel=1e-6)
@@ -166,7 +163,7 @@ def test_lanes_do_not_depend_on_each_other():
     many = gaits(np.linspace(0.5, 2.5, 2 * LANES + 3), 1.0)
     together = steady_states(setting, many, **COUNTS)
     for k in (0, LANES, 2 * LANES + 2):
-        alone = Gaits(*(array[k : k + 1] for array in many))
+        alone = many.rows([k])
         np.testing.assert_array_equal(steady_states(setting, alone, **COUNTS)[0], together[k])
 
 
@@ -195,8 +192,10 @@ def test_the_plane_of_the_notes():
 def test_a_lane_at_the_vertical_is_flagged_and_others_are_untouched():
     setting = lower(rr.FullModel(rr.Robot.from_parameters()))
     calm = gaits([1.0, 1.0, 1.0], 1.0)
-    wild = Gaits(*(array.copy() for array in calm))
-    wild.amplitude[1], wild.angular_frequency[1] = 2.5, 6.5
+    wild = GaitBatch(*(array.copy() for array in calm))
+    wild.sine[1] *= 2.5 / 0.3
+    wild.cosine[1] *= 2.5 / 0.3
+    wild.angular_frequency[1] = 6.5
     rows = steady_states(setting, wild, **COUNTS)
     assert rows[1, -1] == VERTICAL and np.isnan(rows[1, 0])
     np.testing.assert_array_equal(rows[[0, 2]], steady_states(setting, calm, **COUNTS)[[0, 2]])
@@ -247,8 +246,7 @@ def top(values):
 
 
 def engine_loads(model, gait, cycles, steps):
-    some = Gaits(*(np.atleast_2d(part) for part in (gait.offset, gait.amplitude, gait.phase)),
-                 gait.angular_frequency[:1])  # fmt: skip
+    some = GaitBatch.of([gait])
     row = steady_states(
         lower(model), some, cycles=cycles, counted=2, steps_per_cycle=steps, loads=True
     )[0]
@@ -296,7 +294,9 @@ def test_loads_of_decoupled_and_of_stopped_lanes_are_none():
     rows = steady_states(decoupled, calm, loads=True, **COUNTS)
     assert rows.shape[1] == len(RESULT) + len(LOADS)
     assert np.isnan(rows[:, len(RESULT) :]).all() and np.isfinite(rows[:, 0]).all()
-    calm.amplitude[1], calm.angular_frequency[1] = 2.5, 6.5
+    calm.sine[1] *= 2.5 / 0.3
+    calm.cosine[1] *= 2.5 / 0.3
+    calm.angular_frequency[1] = 6.5
     setting = lower(rr.FullModel(rr.Robot.from_parameters()))
     rows = steady_states(setting, calm, loads=True, **COUNTS)
     assert np.isfinite(rows[0]).all() and np.isnan(rows[1, len(RESULT) :]).all()
@@ -308,7 +308,7 @@ def test_loads_do_not_depend_on_other_lanes():
     many = gaits(np.linspace(0.5, 2.5, LANES + 3), 1.0)
     together = steady_states(setting, many, loads=True, **COUNTS)
     for k in (0, LANES, LANES + 2):
-        alone = Gaits(*(array[k : k + 1] for array in many))
+        alone = many.rows([k])
         np.testing.assert_array_equal(
             steady_states(setting, alone, loads=True, **COUNTS)[0], together[k]
         )
@@ -318,18 +318,18 @@ def test_lanes_of_unlike_length_do_not_depend_on_each_other():
     setting = lower(rr.FullModel(rr.Robot.from_parameters()))
     rng = np.random.default_rng(4)
     n = LANES + 5
-    some = FourierGaits(
-        rng.uniform(0, np.pi, (n, 2)), rng.normal(size=(n, 3, 2)) * 0.1,
+    some = GaitBatch(
+        rng.uniform(0, np.pi, (n, 2)), np.zeros((n, 2)), rng.normal(size=(n, 3, 2)) * 0.1,
         rng.normal(size=(n, 3, 2)) * 0.1, rng.uniform(4, 10, n),
     )  # fmt: skip
     cycles = rng.integers(3, 30, n)
-    options = {"counted": 3, "steps": 24, "motion": True}
+    options = {"counted": 3, "steps": 24}
     together = settled(setting, some, cycles=cycles, **options)
     peaks = np.empty((n, 2))
     found = extremes(setting, some, together.motion, peaks)
     np.testing.assert_array_equal(peaks.max(axis=1), found[:, 3])
     for k in (0, 7, n - 1):
-        one = FourierGaits(*(part[k : k + 1] for part in some))
+        one = some.rows([k])
         alone = settled(setting, one, cycles=cycles[k : k + 1], **options)
         for a, b in zip(alone, together, strict=True):
             np.testing.assert_array_equal(a[0], b[k])
@@ -349,10 +349,9 @@ def test_the_vertical_between_two_steps_is_seen():
     low, high = 0.3, 2.0
 
     def pitch(amplitude, n):
-        some.amplitude[:] = amplitude
-        fourier = FourierGaits(some.offset, some.amplitude[:, None], 0 * some.amplitude[:, None],
-                               some.angular_frequency)  # fmt: skip
-        return float(settled(setting, fourier, cycles=np.array([4]), counted=2, steps=n).pitch[0])
+        some.sine[:] = amplitude
+        found = settled(setting, some, cycles=np.array([4]), counted=2, steps=n)
+        return float(found.results[0, RESULT.index("pitch")])
 
     wanted = np.deg2rad(89.8)
     for _ in range(50):
@@ -369,7 +368,7 @@ def test_the_vertical_between_two_steps_is_seen():
     assert steady_states(setting, some, **counts)[0, len(RESULT) - 1] == OK
     stops = setting._replace(limit=SINE_LIMIT)
     assert steady_states(stops, some, **counts)[0, len(RESULT) - 1] == VERTICAL
-    some.amplitude[:] = 0.97 * low
+    some.sine[:] = 0.97 * low
     assert steady_states(stops, some, **counts)[0, len(RESULT) - 1] == OK
 
 
@@ -377,12 +376,12 @@ def test_the_largest_pitch_is_that_of_a_trajectory():
     model = rr.FullModel(rr.Robot.from_parameters())
     for gait in (rr.gait("lateral", amplitude=0.5), rr.gait("circular")):
         t = rr.simulate(model, gait, 6 * gait.period, gait.period / 400, method="momentum")
-        some = FourierGaits(
-            gait.offset[None], (gait.amplitude * np.cos(gait.phase))[None, None],
-            (gait.amplitude * np.sin(gait.phase))[None, None], gait.angular_frequency[:1],
-        )  # fmt: skip
-        found = settled(lower(model), some, cycles=np.array([6]), counted=2, steps=10)
-        assert found.pitch[0] == pytest.approx(np.abs(t.euler[:, 1]).max(), rel=2e-4)
+        found = settled(
+            lower(model), GaitBatch.of([gait]), cycles=np.array([6]), counted=2, steps=10
+        )
+        assert found.results[0, RESULT.index("pitch")] == pytest.approx(
+            np.abs(t.euler[:, 1]).max(), rel=2e-4
+        )
 
 
 # Compiling
@@ -444,7 +443,7 @@ def test_pole_stop_and_interrupt_keep_what_was_computed():
         rr.simulate(model, rr.gait("lateral"), 5.0, start=(0, 30.0, 0), method="momentum")
     assert 0 < len(stopped.value.trajectory) < 501
 
-    def interrupt(time):
+    def interrupt(time, _):
         if time > 6.0:
             raise KeyboardInterrupt
 

@@ -23,7 +23,7 @@ ENTRIES = {
 @pytest.mark.parametrize("entry", ENTRIES)
 def test_progress_is_a_function_or_nothing(entry, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(rr.ParameterError, match="progress is 'yes': it must be a function"):
+    with pytest.raises(rr.ParameterError, match="progress is 'yes': it must be True for a bar"):
         ENTRIES[entry]("yes")
 
 

@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
-from rrrobot.drive.gaits import FourierGait, SinusoidalGait
+from rrrobot.drive.gaits import FourierGait, GaitBatch, SinusoidalGait
 from rrrobot.drive.tables import gait_from_dict
 from rrrobot.figures.fronts import pareto
 from rrrobot.models.base import Model
-from rrrobot.momentum.batch import Gaits, lower, steady_states
+from rrrobot.momentum.batch import lower, steady_states
 from rrrobot.momentum.coefficients import coefficients
 from rrrobot.momentum.forces import bodies
 from rrrobot.momentum.loads import TORQUE, loads, n_signals
@@ -28,8 +28,8 @@ from rrrobot.studies.optimisation.lanes import engine_of
 from rrrobot.studies.optimisation.pareto import ParetoFront, pareto_front
 from rrrobot.studies.optimisation.result import OptimisedGait, confirm
 from rrrobot.studies.optimisation.run import optimise
-from rrrobot.studies.optimisation.space import Population, Space
-from rrrobot.studies.optimisation.table import COLUMNS, GaitLimits, Table
+from rrrobot.studies.optimisation.space import Space
+from rrrobot.studies.optimisation.table import GaitLimits, Table, columns
 from tests.random_robot import random_robot
 
 SETTLE = 15.0
@@ -54,12 +54,13 @@ def front(model: rr.FullModel) -> ParetoFront:
     )
 
 
-def population(n: int, harmonics: int = 1, legs: int = 2, seed: int = 0) -> Population:
+def population(n: int, harmonics: int = 1, legs: int = 2, seed: int = 0) -> GaitBatch:
     rng = np.random.default_rng(seed)
     size = rng.uniform(0, 0.4, (n, harmonics, legs)) / np.arange(1, harmonics + 1)[:, None]
     phase = rng.uniform(0, 2 * np.pi, size.shape)
-    return Population(
-        rng.uniform(0, np.pi, (n, legs)), size * np.cos(phase), size * np.sin(phase),
+    offset = rng.uniform(0, np.pi, (n, legs))
+    return GaitBatch(
+        offset, 0 * offset, size * np.cos(phase), size * np.sin(phase),
         rng.uniform(3, 12, n),
     )  # fmt: skip
 
@@ -96,7 +97,7 @@ def test_forces_and_torques_equal_the_kkt_systems(make) -> None:
     place, motion = model.place(pose), gait(0.7)
     expected = model.dynamics(place, quasi, motion)
     c = coefficients(robot, motion.angle[None], motion.rate[None])[0]
-    signals, up = np.empty(n_signals(n, n + 1)), place.rotation[2].copy()
+    signals, up = np.empty(n_signals(n)), place.rotation[2].copy()
     turning = np.concatenate((up, model.body_velocity(place, quasi)))
     loads(setting.tree, turning, c, np.array(motion),
           setting.parameters, setting.axis, bodies(n + 1), signals)  # fmt: skip
@@ -130,7 +131,7 @@ def test_a_gait_is_not_changed_by_its_neighbours(model: rr.FullModel) -> None:
     engine, gaits = engine_of(model, 3.0), population(20)
     together = engine(gaits)
     for i in (0, 7, 19):
-        alone = engine(Population(*(part[i : i + 1] for part in gaits)))
+        alone = engine(gaits.rows([i]))
         np.testing.assert_array_equal(alone[0], together[i])
 
 
@@ -139,7 +140,7 @@ def test_a_gait_that_tips_over_has_a_status_and_spares_the_others(model: rr.Full
     gaits.offset[2], gaits.angular_frequency[2] = np.pi / 2, 6.44
     gaits.sine[2], gaits.cosine[2] = 2.0, 0.0
     found = engine_of(model, 5.0)(gaits)
-    status = found[:, list(COLUMNS).index("status")]
+    status = found[:, columns().index("status")]
     assert status[2] != 0 and not np.delete(status, 2).any()
     assert np.isnan(found[2, 0]) and np.all(np.isfinite(np.delete(found, 2, axis=0)))
 
@@ -148,13 +149,13 @@ def test_a_gait_that_tips_over_has_a_status_and_spares_the_others(model: rr.Full
 
 
 def test_the_fastest_lateral_gait_is_that_of_a_brute_force_grid(model: rr.FullModel) -> None:
-    kept = {"amplitude": 0.3, "frequency": 8.0, "tied": True}
+    kept = {"amplitude": 0.3, "angular_frequency": 8.0, "tied": True}
     best = optimise(model, "fastest", budget=1200, settle_time=25.0, **kept)
     offset, phase = np.meshgrid(
         np.linspace(0, np.pi, 21), np.linspace(0, 2 * np.pi, 24, endpoint=False)
     )
     n = offset.size
-    gaits = Gaits(
+    gaits = GaitBatch.sinusoidal(
         np.column_stack((offset.ravel(),) * 2),
         np.full((n, 2), 0.3),
         np.column_stack((np.zeros(n), phase.ravel())),
@@ -180,7 +181,7 @@ def test_the_fastest_lateral_gait_is_that_of_a_brute_force_grid(model: rr.FullMo
 )
 def test_no_other_gait_is_better(model: rr.FullModel, goal, column, sign: int) -> None:
     """Against random gaits of the box that have the speed and are within the limits."""
-    box = {"offset": (0.5, 2.6), "amplitude": (0.1, 0.4), "frequency": (5.0, 10.0)}
+    box = {"offset": (0.5, 2.6), "amplitude": (0.1, 0.4), "angular_frequency": (5.0, 10.0)}
     best = optimise(model, goal, budget=1500, settle_time=SETTLE, **box)
     assert best.met and best.steady_state.speed >= 0.002
     space = Space(2, phase_difference=(0, 2 * np.pi), **box)
@@ -194,7 +195,7 @@ def test_no_other_gait_is_better(model: rr.FullModel, goal, column, sign: int) -
 
 
 def _one(found: OptimisedGait) -> Table:
-    row = np.array([[found.measured.get(name, 0.0) for name in COLUMNS]])
+    row = np.array([[found.measured.get(name, 0.0) for name in columns()]])
     return Table(row, np.zeros(1), np.zeros(1))
 
 
@@ -219,7 +220,9 @@ def test_the_gait_alone_does_what_the_result_says(
 
 def test_the_same_seed_gives_the_same_bits(model: rr.FullModel) -> None:
     def once(seed: int) -> OptimisedGait:
-        return optimise(model, "fastest", budget=400, settle_time=5.0, frequency=8.0, seed=seed)
+        return optimise(
+            model, "fastest", budget=400, settle_time=5.0, angular_frequency=8.0, seed=seed
+        )
 
     first, again, other = once(3), once(3), once(5)
     assert first.to_dict() == again.to_dict()
@@ -229,7 +232,7 @@ def test_the_same_seed_gives_the_same_bits(model: rr.FullModel) -> None:
 
 def test_harmonics_give_a_fourier_gait_within_the_swing(model: rr.FullModel) -> None:
     best = optimise(model, "fastest", budget=700, settle_time=SETTLE, harmonics=2,
-                    frequency=(6.0, 8.0), amplitude=(0.0, 0.3))  # fmt: skip
+                    angular_frequency=(6.0, 8.0), amplitude=(0.0, 0.3))  # fmt: skip
     assert isinstance(best.gait, FourierGait) and best.gait.cosine.shape == (2, 2)
     angle = best.gait(np.linspace(0, best.gait.period, 1000)).angle
     assert np.abs(angle - best.gait.offset).max() < 0.3 * (1 + 3e-3)
@@ -239,7 +242,7 @@ def test_harmonics_give_a_fourier_gait_within_the_swing(model: rr.FullModel) -> 
 
 def test_numbers_that_are_kept_are_kept(model: rr.FullModel) -> None:
     best = optimise(
-        model, "fastest", offset=[[1.0, 1.0], [1.2, 1.2]], amplitude=0.2, frequency=9.0,
+        model, "fastest", offset=[[1.0, 1.0], [1.2, 1.2]], amplitude=0.2, angular_frequency=9.0,
         phase_difference=0.5, settle_time=5.0,
     )  # fmt: skip
     assert best.evaluations == 1
@@ -251,15 +254,15 @@ def test_any_robot_can_be_optimised() -> None:
     """A tree with prismatic, revolute and continuous joints."""
     model = rr.FullModel(random_robot(2, 3), damping=0.3)
     best = optimise(model, "fastest", budget=300, settle_time=10.0, offset=(-0.1, 0.1),
-                    amplitude=(0.0, 0.1), frequency=(3.0, 5.0),
+                    amplitude=(0.0, 0.1), angular_frequency=(3.0, 5.0),
                     limits=GaitLimits(min_clearance=-1.0))  # fmt: skip
     assert best.gait.n_legs == 3 and best.value > 0 and best.discrepancy < 0.02
 
 
 def test_the_pivoting_model_can_be_optimised() -> None:
     model = rr.PivotingModel(rr.Robot.from_parameters())
-    best = optimise(model, "fastest", amplitude=0.3, frequency=8.0, offset=np.pi / 2, budget=200,
-                    settle_time=SETTLE)  # fmt: skip
+    best = optimise(model, "fastest", amplitude=0.3, angular_frequency=8.0, offset=np.pi / 2,
+                    budget=200, settle_time=SETTLE)  # fmt: skip
     assert best.met and best.value == pytest.approx(0.00978, abs=1e-4)
 
 
@@ -308,8 +311,9 @@ def test_limits_that_no_gait_meets_are_named(model: rr.FullModel) -> None:
 def test_gaits_that_all_tip_over_are_an_error() -> None:
     model = rr.FullModel(rr.Robot.from_parameters(rr.RRRobotParameters(leg_mass=1.0)))
     with pytest.raises(rr.GaitError, match="90 degrees"):
-        optimise(model, "fastest", offset=np.pi / 2, amplitude=(2.8, 3.0), frequency=(5.0, 12.0),
-                 phase_difference=0.0, budget=100, settle_time=5.0)  # fmt: skip
+        optimise(model, "fastest", offset=np.pi / 2, amplitude=(2.8, 3.0),
+                 angular_frequency=(5.0, 12.0), phase_difference=0.0, budget=100,
+                 settle_time=5.0)  # fmt: skip
 
 
 # The front.
@@ -359,9 +363,9 @@ def test_the_figure_shows_the_front_with_units(front: ParetoFront) -> None:
         ({"offset": "up"}, "offset is 'up'"),
         ({"offset": (1.0, 2.0, 3.0)}, "offset has shape"),
         ({"amplitude": (-0.1, 0.3)}, "lower bound of amplitude is -0.1 rad"),
-        ({"frequency": (0.0, 8.0)}, "lower bound of frequency"),
-        ({"frequency": (8.0, 1e6)}, "the most is 200"),
-        ({"frequency": [(1, 2), (3, 4)]}, "frequency has shape"),
+        ({"angular_frequency": (0.0, 8.0)}, "lower bound of angular_frequency"),
+        ({"angular_frequency": (8.0, 1e6)}, "the most is 200"),
+        ({"angular_frequency": [(1, 2), (3, 4)]}, "angular_frequency has shape"),
         ({"phase_difference": [(0, 1), (0, 1)]}, "phase_difference has shape"),
         ({"harmonics": 0}, "harmonics is 0"),
         ({"harmonics": 1.5}, "harmonics is 1.5"),
@@ -419,7 +423,7 @@ def test_models_that_do_not_fit_are_told(model: rr.FullModel) -> None:
     with pytest.raises(rr.ParameterError, match="no legs"):
         optimise(rr.FullModel(random_robot(2, 0)), "fastest")
     with pytest.raises(rr.ParameterError, match="something to vary"):
-        pareto_front(model, offset=1.5, amplitude=0.3, frequency=8.0, phase_difference=1.0)
+        pareto_front(model, offset=1.5, amplitude=0.3, angular_frequency=8.0, phase_difference=1.0)
     with pytest.raises(rr.ParameterError, match="cost is 'work'"):
         pareto_front(model, cost="work")
 

@@ -4,25 +4,22 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
-from rrrobot.momentum.batch import RESULT, FourierGaits, lower, settled
+from rrrobot.drive.gaits import GaitBatch
+from rrrobot.momentum.batch import RESULT, lower, settled
 from rrrobot.orbits.many import orbits_of
 
 ROBOT = rr.Robot.from_parameters()
 STATUS = RESULT.index("status")
 
 
-def some_gaits(n: int, harmonics: int = 1, largest: float = 0.4, seed: int = 0) -> FourierGaits:
+def some_gaits(n: int, harmonics: int = 1, largest: float = 0.4, seed: int = 0) -> GaitBatch:
     rng = np.random.default_rng(seed)
     size = rng.uniform(0.05, largest, (n, harmonics, 2)) / np.arange(1, harmonics + 1)[:, None] ** 2
     phase = rng.uniform(0, 2 * np.pi, size.shape)
-    return FourierGaits(
-        rng.uniform(0, np.pi, (n, 2)), size * np.sin(phase), size * np.cos(phase),
+    return GaitBatch(
+        rng.uniform(0, np.pi, (n, 2)), np.zeros((n, 2)), size * np.sin(phase), size * np.cos(phase),
         rng.uniform(4, 11, n),
     )  # fmt: skip
-
-
-def take(gaits: FourierGaits, which: slice) -> FourierGaits:
-    return FourierGaits(*(part[which] for part in gaits))
 
 
 def test_a_gait_has_the_same_bits_in_any_chunk():
@@ -31,7 +28,7 @@ def test_a_gait_has_the_same_bits_in_any_chunk():
     whole = orbits_of(setting, gaits, 20)
     assert len(set(whole.results[:, STATUS])) > 1
     for first, last in ((0, 1), (5, 6), (16, 37), (3, 21)):
-        part = orbits_of(setting, take(gaits, slice(first, last)), 20)
+        part = orbits_of(setting, gaits.rows(slice(first, last)), 20)
         np.testing.assert_array_equal(part.results, whole.results[first:last])
         np.testing.assert_array_equal(part.multiplier, whole.multiplier[first:last])
 
@@ -51,6 +48,8 @@ def test_long_runs_come_to_them(model):
         found.results[:, compared], long.results[:, compared], rtol=1e-9, atol=1e-10
     )
     np.testing.assert_allclose(found.results[:, 14], long.results[:, 14], rtol=1e-9)
+    heights = RESULT.index("clearance")
+    np.testing.assert_allclose(found.results[:, heights], long.results[:, heights], rtol=1e-8)
 
 
 def test_multipliers_are_those_of_the_single_search():
@@ -68,7 +67,7 @@ def test_multipliers_are_those_of_the_single_search():
 def test_a_neighbours_orbit_leads_there_in_three_periods():
     setting, gaits = lower(rr.FullModel(ROBOT)), some_gaits(1, seed=9)
     base = orbits_of(setting, gaits, 20)
-    others = FourierGaits(*(np.repeat(part, 4, axis=0) for part in gaits))
+    others = GaitBatch(*(np.repeat(part, 4, axis=0) for part in gaits))
     others.offset[:] += 1e-4 * np.arange(1, 9).reshape(4, 2)
     near = orbits_of(setting, others, 20, stability=False, near=base)
     alone = orbits_of(setting, others, 20)

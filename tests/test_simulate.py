@@ -94,7 +94,7 @@ def test_bad_arguments(model, change, error, says):
 
 
 def test_ctrl_c_keeps_what_was_computed(model):
-    def stop_at_half_a_second(time: float) -> None:
+    def stop_at_half_a_second(time: float, _: float) -> None:
         if time > 0.5:
             raise KeyboardInterrupt
 
@@ -118,7 +118,7 @@ def test_ctrl_c_keeps_what_was_computed(model):
 
 
 def test_ctrl_c_at_once(model):
-    def stop(_: float) -> None:
+    def stop(*_: float) -> None:
         raise KeyboardInterrupt
 
     with pytest.raises(rr.SimulationInterrupted) as caught:
@@ -129,7 +129,10 @@ def test_ctrl_c_at_once(model):
 
 def test_progress_sees_the_time_grow_to_the_end(model):
     times: list[float] = []
-    rr.simulate(model, LATERAL, duration=0.7, progress=times.append)
+    totals: list[float] = []
+    rr.simulate(model, LATERAL, duration=0.7, sample_interval=0.1,
+                progress=lambda now, all_: (times.append(now), totals.append(all_)))  # fmt: skip
+    assert set(totals) == {0.7}
     assert np.all(np.diff(times) > 0)
     assert times[-1] == pytest.approx(0.7, abs=1e-12)
 

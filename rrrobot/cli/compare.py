@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -73,13 +72,7 @@ def compare_command(
         return
     folder = None if out is None else make_folder(out)
     legs = gait.build(body, robot)
-    show = sys.stderr.isatty() and not quiet
-    found = compare(
-        body,
-        legs,
-        duration,
-        progress=(lambda name: click.echo(f"simulating: {name}", err=True)) if show else None,
-    )
+    found = compare(body, legs, duration, progress=False if quiet else None)
     files = [] if folder is None else _figures(found, folder)
     data = {"models": found.rows(), "yaw_amplitude_factor": found.yaw_amplitude_factor}
     tell(data, _side_by_side(found), files, as_json=as_json)

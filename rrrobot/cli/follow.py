@@ -13,7 +13,6 @@ from rrrobot.cli.compile import tell_of_compiling
 from rrrobot.cli.options.group import Group, option, takes
 from rrrobot.cli.options.robot import DampingOptions, GroundOptions, Parts, RobotOptions
 from rrrobot.cli.options.steering import LegOptions, Points
-from rrrobot.cli.progress import progress_bar
 from rrrobot.cli.report import aligned, tell
 from rrrobot.cli.simulate import checked_file
 from rrrobot.cli.types import NUMBER, Numbers
@@ -163,12 +162,11 @@ def follow_command(
     believed = FullModel(parts.robot)
     real = FullModel(truth.robot(parts.robot), ground=parts.ground, damping=parts.damping)
     tell_of_compiling(quiet=quiet)
-    with progress_bar(duration, quiet=quiet) as progress:
-        run = follow(
-            believed, track.build(), duration, truth=real, gear=gear, speed=speed,
-            amplitude=legs.amplitude, angular_frequency=legs.frequency, sensor=truth.sensor(),
-            progress=progress,
-        )  # fmt: skip
+    run = follow(
+        believed, track.build(), duration, truth=real, gear=gear, speed=speed,
+        amplitude=legs.amplitude, angular_frequency=legs.frequency, sensor=truth.sensor(),
+        progress=False if quiet else None,
+    )  # fmt: skip
     written = []
     if targets[0] is not None:
         written.append(write_gait(run.gait, targets[0]))

@@ -1,11 +1,14 @@
 """The command line: `rrrobot simulate`, `sweep`, `compare`, `optimise` and the others.
 
 An error that rrrobot raises on purpose becomes one line on stderr and exit code 1, wrong usage
-exit code 2, Ctrl-C 130; warnings are one line each on stderr.
+exit code 2, Ctrl-C 130; warnings are one line each on stderr. A command is a file of this folder:
+what it defines with `click.command` is found here.
 """
 
 from __future__ import annotations
 
+import importlib
+import pkgutil
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,23 +16,7 @@ from typing import Any
 
 import click
 
-from rrrobot.cli.compare import compare_command, periods
-from rrrobot.cli.continue_ import continue_command
-from rrrobot.cli.fit import fit_command
-from rrrobot.cli.follow import follow_command
-from rrrobot.cli.gait import gait_command
-from rrrobot.cli.lab import lab_command
-from rrrobot.cli.machines import machines
-from rrrobot.cli.optimise import optimise_command
-from rrrobot.cli.orbit import orbit_command
-from rrrobot.cli.plan import plan_command
-from rrrobot.cli.reduce import reduce_command
-from rrrobot.cli.reproduce import reproduce_command
-from rrrobot.cli.sensitivity import sensitivity_command
-from rrrobot.cli.simulate import simulate
-from rrrobot.cli.sweep import sweep_command
-from rrrobot.cli.unstick import unstick_command
-from rrrobot.cli.view import robots, view
+import rrrobot.cli
 from rrrobot.errors import RRRobotError, shortened
 
 INTERRUPTED = 130
@@ -70,27 +57,18 @@ def cli() -> None:
     """
 
 
-for _command in (
-    simulate,
-    sweep_command,
-    compare_command,
-    periods,
-    reduce_command,
-    reproduce_command,
-    optimise_command,
-    plan_command,
-    follow_command,
-    fit_command,
-    gait_command,
-    machines,
-    orbit_command,
-    continue_command,
-    sensitivity_command,
-    lab_command,
-    unstick_command,
-    view,
-    robots,
-):
+def _commands() -> Iterator[click.Command]:
+    """The commands of every file beside this one."""
+    for info in pkgutil.iter_modules(rrrobot.cli.__path__, "rrrobot.cli."):
+        if info.name == __name__ or info.ispkg:
+            continue
+        module = importlib.import_module(info.name)
+        for item in vars(module).values():
+            if isinstance(item, click.Command) and item.callback.__module__ == info.name:
+                yield item
+
+
+for _command in _commands():
     cli.add_command(_command)
 
 

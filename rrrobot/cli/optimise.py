@@ -19,7 +19,6 @@ from rrrobot.cli.options.robot import (
     PerLeg,
     RobotOptions,
 )
-from rrrobot.cli.progress import gaits_bar
 from rrrobot.cli.report import aligned, to_json
 from rrrobot.cli.types import NUMBER, PER_LEG
 from rrrobot.errors import OutputError
@@ -115,8 +114,9 @@ class BoundOptions(Group):
     def settings(self) -> dict[str, Any]:
         """Keywords of `optimise`."""
         bounds = self.given("offset", "amplitude", "frequency", "phase")
-        if "phase" in bounds:
-            bounds["phase_difference"] = bounds.pop("phase")
+        for short, name in (("phase", "phase_difference"), ("frequency", "angular_frequency")):
+            if short in bounds:
+                bounds[name] = bounds.pop(short)
         found = {name: _pairs(value) for name, value in bounds.items()}
         return found | {"harmonics": self.harmonics, "tied": self.tied}
 
@@ -214,14 +214,12 @@ def optimise_command(
     settings = bounds.settings() | search.given("settle_time", "seed", "budget")
     settings["limits"] = limits.build()
     tell_of_compiling(quiet=quiet, loads=True)
-    with gaits_bar(quiet=quiet) as progress:
-        if wanted is None:
-            front = goal.given("cost", "points")
-            found: ParetoFront | OptimisedGait = pareto_front(
-                body, progress=progress, **settings, **front
-            )
-        else:
-            found = optimise(body, wanted, progress=progress, **settings)
+    settings["progress"] = False if quiet else None
+    if wanted is None:
+        front = goal.given("cost", "points")
+        found: ParetoFront | OptimisedGait = pareto_front(body, **settings, **front)
+    else:
+        found = optimise(body, wanted, **settings)
     _report(found, files, as_json=as_json)
     if isinstance(found, OptimisedGait) and not found.met:
         raise click.ClickException(f"the nearest gait falls short: {'; '.join(found.shortfalls)}.")

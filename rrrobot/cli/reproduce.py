@@ -2,10 +2,7 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 
 import click
 
@@ -53,8 +50,8 @@ def reproduce_command(
         return
     keys = None if only is None else _keys(only)
     tell_of_compiling(quiet=quiet)
-    with _bar(quiet=quiet) as progress:
-        found = reproduce(out, only=keys, quick=quick, resume=not anew, progress=progress)
+    wish = False if quiet else None
+    found = reproduce(out, only=keys, quick=quick, resume=not anew, progress=wish)
     if as_json:
         data = {"report": str(found.report), "sections": [s._asdict() for s in found.sections]}
         click.echo(to_json(data))
@@ -70,23 +67,6 @@ def reproduce_command(
 
 def _keys(text: str) -> list[str]:
     return [key.strip().lower() for key in text.split(",") if key.strip()]
-
-
-@contextmanager
-def _bar(*, quiet: bool) -> Iterator[Callable[[str, int, int], None]]:
-    """Progress over the items, on stderr if that is a terminal."""
-    from tqdm import tqdm
-
-    show = sys.stderr.isatty() and not quiet
-    with tqdm(total=len(ITEMS), disable=not show, unit="item", leave=False) as bar:
-
-        def tell(key: str, done: int, total: int) -> None:
-            bar.total = total
-            bar.set_description(key, refresh=False)
-            bar.n = done
-            bar.refresh()
-
-        yield tell
 
 
 def _line(section: Section, *, in_full: bool) -> str:

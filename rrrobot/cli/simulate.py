@@ -21,7 +21,6 @@ from rrrobot.cli.options.robot import (
     RobotOptions,
 )
 from rrrobot.cli.options.run import RunOptions, StartOptions
-from rrrobot.cli.progress import progress_bar
 from rrrobot.cli.report import summary, table, tell
 from rrrobot.drive.gaits import Gait
 from rrrobot.drive.torques import LegTorques
@@ -127,9 +126,8 @@ def simulate(
     if settings.get("method") == "momentum" and model != DECOUPLED:
         tell_of_compiling(quiet=output.quiet, alone=True)
     try:
-        with progress_bar(run.duration, quiet=output.quiet) as progress:
-            settings["progress"] = progress
-            trajectory = _simulate(model, parts, drive, start, settings)
+        settings["progress"] = False if output.quiet else None
+        trajectory = _simulate(model, parts, drive, start, settings)
     except SimulationError as error:
         raise _with_partial_run(error, files.get("save")) from None
     data = summary(trajectory)

@@ -13,9 +13,9 @@ import numpy as np
 from rrrobot.cli.options.robot import DECOUPLED
 from rrrobot.cli.report import aligned
 from rrrobot.files import make_folder
+from rrrobot.results import COLUMNS, STATUS, load_names
 from rrrobot.studies.modulation import amplitude_modulation, filled, pitch_yaw_phase_difference
 from rrrobot.studies.sweeps.run import sweep as run_sweep
-from rrrobot.studies.sweeps.store import LOADS, STATUS
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,7 +49,7 @@ def summary(ds: xr.Dataset, seconds: float) -> dict[str, Any]:
 
 def _loads(ds: xr.Dataset, steady: xr.DataArray) -> dict[str, list[float]]:
     """Least and largest of each load over the settled gaits; none where it means nothing."""
-    known = {name: ds[name].where(steady) for name in LOADS}
+    known = {name: ds[name].where(steady) for name in load_names()}
     return {
         name: [float(values.min()), float(values.max())]
         for name, values in known.items()
@@ -61,7 +61,13 @@ def _gait(ds: xr.Dataset, goal: xr.DataArray) -> dict[str, Any] | None:
     """The gait that has the most of something."""
     if not goal.notnull().any():
         return None
-    names = ["speed", "velocity_y", "yaw_rate", "curvature", *(LOADS if ds.attrs["loads"] else ())]
+    names = [
+        "speed",
+        "velocity_y",
+        "yaw_rate",
+        "curvature",
+        *(load_names() if ds.attrs["loads"] else ()),
+    ]
     best = ds[names].isel(goal.argmax(...))
     return {str(name): np.asarray(value).tolist() for name, value in best.variables.items()}
 
@@ -86,7 +92,7 @@ def table(data: dict[str, Any]) -> str:
     if data["through_ground"]:
         rows.append(("through the ground", f"{data['through_ground']} gaits swing a leg there"))
     for name, ends in (data["loads"] or {}).items():
-        unit = LOADS[name][0].removeprefix("1")
+        unit = COLUMNS[name].unit.removeprefix("1")
         rows.append((name.replace("_", " "), f"{ends[0]:.4g} .. {ends[1]:.4g} {unit}"))
     for name, label in (("fastest", "fastest"), ("fastest_turn", "fastest turn")):
         best = data[name]
@@ -97,7 +103,7 @@ def table(data: dict[str, Any]) -> str:
 
 
 def _place(best: dict[str, Any]) -> str:
-    skip = ("speed", "velocity_y", "yaw_rate", "curvature", "leg", *LOADS)
+    skip = ("speed", "velocity_y", "yaw_rate", "curvature", "leg", *load_names())
     return ", ".join(
         f"{name.replace('_', ' ')} {value:.5g}"
         for name, value in best.items()
@@ -117,7 +123,7 @@ def draw(ds: xr.Dataset) -> dict[str, Any]:
     phase = pitch_yaw_phase_difference(ds)
     if phase.notnull().any():
         figures["phase_difference"] = maps.value_map(phase).figure
-    for name in LOADS:
+    for name in load_names():
         if name in ds and ds[name].notnull().any():
             figures[name] = maps.value_map(ds[name]).figure
     return figures

@@ -9,7 +9,6 @@ import click
 
 from rrrobot.checks import finite
 from rrrobot.cli.options.drive import GAITS, GaitName
-from rrrobot.cli.progress import progress_bar
 from rrrobot.cli.report import to_json
 from rrrobot.cli.simulate import checked_file
 from rrrobot.cli.types import NUMBER, Size
@@ -87,18 +86,15 @@ def view(
     else:
         finite("duration", duration, "s", above=0)
         model = FullModel(Robot.from_parameters())
-        with progress_bar(duration, quiet=quiet) as progress:
-            legs = named_gait(gait) if gait in GAITS else read_gait(gait)
-            trajectory = simulate(model, legs, duration, progress=progress)
+        legs = named_gait(gait) if gait in GAITS else read_gait(gait)
+        trajectory = simulate(model, legs, duration, progress=False if quiet else None)
     if target is not None:
         from rrrobot.view.films import record
 
-        length = (trajectory.time[-1] - trajectory.time[0]) / finite("speed", speed, above=0)
-        with progress_bar(float(length), quiet=quiet, doing="drawing") as progress:
-            record(
-                trajectory, target, speed=speed, size=size, fps=fps, follow=follow,
-                progress=progress,
-            )  # fmt: skip
+        record(
+            trajectory, target, speed=speed, size=size, fps=fps, follow=follow,
+            progress=False if quiet else None,
+        )  # fmt: skip
         click.echo(f"wrote {target}")
         return
     _serve(trajectory, speed=speed, loop=loop, open_browser=not no_browser)

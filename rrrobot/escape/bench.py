@@ -5,17 +5,16 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
-from importlib import import_module
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.drive.gaits import FourierGait
+from rrrobot.drive.gaits import FourierGait, GaitBatch
 from rrrobot.escape.capsules import Capsules, clearances
 from rrrobot.models.base import Model
-from rrrobot.momentum.batch import RESULT, lower
+from rrrobot.momentum.batch import RESULT, Setting, Settled, lower, settled
 from rrrobot.momentum.extremes import LOADS, extremes
 from rrrobot.momentum.kernels import ANY, LIFT_OFF, OK
 from rrrobot.momentum.terrain import BOULDER
@@ -98,19 +97,12 @@ class Outcome(NamedTuple):
 
 
 def _settled(
-    setting: Any, gaits: Population, cycles: NDArray[np.int64], steps: int
-) -> tuple[Any, Any]:
+    setting: Setting, gaits: Population, cycles: NDArray[np.int64], steps: int
+) -> tuple[GaitBatch, Settled]:
     """The gaits as the engine takes them, and what they settle to."""
-    # Any: batches of the engine have windings of legs that go round, or have them not yet.
-    engine: Any = import_module("rrrobot.momentum.batch")
-    counts: dict[str, Any] = {"cycles": cycles, "counted": COUNTED, "steps": steps}
-    if hasattr(engine, "GaitBatch"):
-        offset, *rest = gaits
-        some = engine.GaitBatch(offset, np.zeros_like(offset), *rest)
-    else:
-        some = engine.FourierGaits(*gaits)
-        counts["motion"] = True
-    return some, engine.settled(setting, some, **counts)
+    offset, sine, cosine, omega = gaits
+    some = GaitBatch(offset, np.zeros_like(offset), sine, cosine, omega)
+    return some, settled(setting, some, cycles=cycles, counted=COUNTED, steps=steps)
 
 
 class Bench:

@@ -9,10 +9,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
+from rrrobot.drive.gaits.batch import GaitBatch
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import borrowed, compiled, in_cache
 from rrrobot.momentum.extremes import LOADS as ALL_LOADS
 from rrrobot.momentum.extremes import evaluate, extremes
+from rrrobot.momentum.heights import clearance
 from rrrobot.momentum.interpolation import interpolation, spline_matrix
 from rrrobot.momentum.kernels import (
     ANY,
@@ -21,31 +23,32 @@ from rrrobot.momentum.kernels import (
     LIFT_OFF,
     N_STAGES,
     N_STATE,
-    NODES,
     OK,
+    ROWS_PER_STEP,
     TURNS_OVER,
     step,
-)  # fmt: skip
+)
 from rrrobot.momentum.lane import scratch
+from rrrobot.momentum.legs import checked, stage_times, turns_of
 from rrrobot.momentum.lowering import Setting, decoupled_setting, lower
 from rrrobot.momentum.normal import N_ANY_MOTION
 from rrrobot.momentum.settle import settle
-from rrrobot.momentum.summary import N_MOTION, N_RESULT, RESULT, ROWS_PER_STEP
+from rrrobot.momentum.summary import N_MOTION, N_RESULT, RESULT
 from rrrobot.momentum.vertical import pitch_of
-from rrrobot.momentum.work import FourierGaits, work_of
+from rrrobot.momentum.work import work_of
 from rrrobot.rotations import turns_over
 
 LOADS = ("friction", "rms_torque", "peak_torque", "power")
 """Further entries of a lane's steady state, on request; see `extremes.LOADS`."""
-_STATUS, _YAW_RATE = RESULT.index("status"), RESULT.index("yaw_rate")
+_YAW_RATE, _PITCH, _CLEARANCE, _STATUS = (
+    RESULT.index(name) for name in ("yaw_rate", "pitch", "clearance", "status")
+)
 
 __all__ = [
     "LOADS",
     "N_RESULT",
     "RESULT",
     "ROWS_PER_STEP",
-    "FourierGaits",
-    "Gaits",
     "Setting",
     "decoupled_setting",
     "lower",
@@ -55,12 +58,6 @@ __all__ = [
     "stage_times",
     "steady_states",
 ]
-
-
-def stage_times(start: float, step: float, steps: int) -> Array:
-    """Instants of the rows of a coefficient table for `steps` equal steps [s]."""
-    inner = np.add.outer(np.arange(steps), NODES[:-1]).ravel()
-    return start + step * np.append(inner, steps)
 
 
 def march(
@@ -122,50 +119,24 @@ def _march_block(  # type: ignore[no-untyped-def]
             history[n + 1, e] = y[e]
 
 
-class Gaits(NamedTuple):
-    """Sinusoidal gaits, one a row: each array (n, legs), the frequency (n,)."""
-
-    offset: Array
-    amplitude: Array
-    phase: Array
-    angular_frequency: Array
-
-
-def fourier(gaits: Gaits) -> FourierGaits:
-    """Sinusoidal gaits as sums of a sine and a cosine."""
-    sine, cosine = np.empty_like(gaits.phase), np.empty_like(gaits.phase)
-    _parts(np.ascontiguousarray(gaits.amplitude), np.ascontiguousarray(gaits.phase), sine, cosine)
-    return FourierGaits(gaits.offset, sine[:, None], cosine[:, None], gaits.angular_frequency)
-
-
-@compiled()
-def _parts(amplitude, phase, sine, cosine):  # type: ignore[no-untyped-def]
-    # One at a time: NumPy's vector loops may round an entry by where it stands.
-    for k in range(len(phase)):
-        for leg in range(phase.shape[1]):
-            sine[k, leg] = amplitude[k, leg] * np.cos(phase[k, leg])
-            cosine[k, leg] = amplitude[k, leg] * np.sin(phase[k, leg])
-
-
 class Settled(NamedTuple):
     """What gaits come to."""
 
     results: Array
     """(n, N_RESULT), as `RESULT` has them; of a lane that stopped all but the status is NaN"""
-    pitch: Array
-    """largest |pitch| from the start on (n,) [rad]"""
     motion: Array
-    """z_body and angular velocity at the steps of the last cycle (n, steps, N_MOTION); (0, ...)"""
+    """z_body and angular velocity at the steps of the last cycle (n, steps, N_MOTION), and the
+    contact's, of any shell; if decoupled, z_body alone"""
 
 
 def steady_states(
     setting: Setting,
-    gaits: Gaits,
+    gaits: GaitBatch,
     *,
     cycles: int,
     counted: int,
     steps_per_cycle: int,
-    yaw_amplitude: Array | None = None,
+    yaw: GaitBatch | None = None,
     loads: bool = False,
 ) -> Array:
     """Steady states of many gaits from an upright impulsive start (n, N_RESULT).
@@ -181,22 +152,16 @@ def steady_states(
         counted: of these, at the end, over which means are taken; at least 2.
         steps_per_cycle: of a sphere: 10 give about 3e-7 of the speed on RRRobot. Shells that are
             sharper than a sphere take as many times more as their radii of curvature differ.
-        yaw_amplitude: of the legs in the yaw model alone (n, legs), for decoupled models; the
-            gaits' own if None. The paper's Fig 20.
+        yaw: the yaw model's own gaits, for decoupled models; the same if None. The paper's Fig 20.
         loads: whether to have these too (n, N_RESULT + len(LOADS)); NaN for decoupled models. On
             RRRobot 10 steps give the torques and the friction to 1e-3, 20 to 1e-6.
     """
-    yaw = None if yaw_amplitude is None else gaits._replace(amplitude=yaw_amplitude)
-    each, legs = np.full(len(gaits.offset), cycles), fourier(gaits)
-    moves = setting.axis != DECOUPLED
-    found = settled(
-        setting, legs, cycles=each, counted=counted, steps=steps_per_cycle, motion=moves,
-        yaw=None if yaw is None else fourier(yaw),
-    )  # fmt: skip
+    each = np.full(gaits.n, cycles)
+    found = settled(setting, gaits, cycles=each, counted=counted, steps=steps_per_cycle, yaw=yaw)
     out = found.results
-    if moves and loads:
+    if loads and setting.axis != DECOUPLED:
         chosen = [ALL_LOADS.index(name) for name in LOADS]
-        out = np.column_stack((out, extremes(setting, legs, found.motion)[:, chosen]))
+        out = np.column_stack((out, extremes(setting, gaits, found.motion)[:, chosen]))
     elif loads:
         out = np.column_stack((out, np.full((len(out), len(LOADS)), np.nan)))
     stopped = np.flatnonzero(out[:, _STATUS] != OK)
@@ -206,53 +171,41 @@ def steady_states(
 
 def settled(
     setting: Setting,
-    gaits: FourierGaits,
+    gaits: GaitBatch,
     *,
     cycles: NDArray[np.int64],
     counted: int,
     steps: int,
-    yaw: FourierGaits | None = None,
-    motion: bool = False,
+    yaw: GaitBatch | None = None,
 ) -> Settled:
-    """Simulate gaits of any harmonics, each for its own number of cycles (n,).
+    """Simulate gaits, each for its own number of cycles (n,).
 
     What a gait gives does not depend on the others beside it, to the last bit. See `steady_states`;
-    a lane that lifts off keeps its numbers here.
+    a lane that lifts off or turns over keeps its numbers here.
 
-    Args:
-        motion: whether to keep that of the last cycle, by which bodies that turn over are known
-            (status TURNS_OVER); not for decoupled models, whose bodies cannot.
+    Raises:
+        GaitError: a leg cannot go round and round.
     """
-    n, steps = len(gaits.offset), steps * setting.fineness
+    n, steps = gaits.n, steps * setting.fineness
     width = N_ANY_MOTION if setting.axis == ANY else N_MOTION
-    found = Settled(
-        np.empty((n, N_RESULT)), np.empty(n), np.empty((n if motion else 0, steps, width))
-    )
+    found, sine = Settled(np.empty((n, N_RESULT)), np.full((n, steps, width), np.nan)), np.empty(n)
     harmonics = gaits.sine.shape[1]
     slope_of, value_of = _derivative(steps, setting.periodic)
+    whole = checked(setting.tree, gaits)
+    own = whole if yaw is None else checked(setting.tree, yaw)
     settle(
-        setting.tree, setting.axis, setting.limit, setting.terrain, _contiguous(gaits),
-        _contiguous(yaw or gaits), np.ascontiguousarray(cycles, dtype=np.int64),
-        _turns(steps, harmonics), slope_of, value_of, work_of(setting, harmonics, counted, steps),
-        found.motion, found.pitch, found.results,
+        setting.tree, setting.axis, setting.limit, setting.terrain, tuple(whole), tuple(own),
+        np.ascontiguousarray(cycles, dtype=np.int64), turns_of(steps, harmonics), slope_of,
+        value_of, work_of(setting, harmonics, counted, steps), found.motion, sine, found.results,
     )  # fmt: skip
-    if motion and setting.axis != DECOUPLED:
+    if setting.axis != DECOUPLED:
         status = found.results[:, _STATUS]
         turn = found.results[:, _YAW_RATE] * 2 * np.pi / gaits.angular_frequency
         goes_on = (status == OK) | (status == LIFT_OFF)
         status[goes_on & turns_over(found.motion[:, :, :3], turn)] = TURNS_OVER
-    return found._replace(pitch=pitch_of(found.pitch))
-
-
-def _contiguous(gaits: FourierGaits) -> tuple[Array, ...]:
-    return tuple(np.ascontiguousarray(part, dtype=np.float64) for part in gaits)
-
-
-@cache
-def _turns(steps: int, harmonics: int) -> Array:
-    """Sines and cosines of a gait's phase at the rows of a table (2, rows, harmonics)."""
-    turn = 2 * np.pi / steps * np.multiply.outer(stage_times(0, 1, steps), np.arange(harmonics) + 1)
-    return np.array((np.sin(turn), np.cos(turn)))
+    found.results[:, _PITCH] = np.nan if setting.axis == DECOUPLED else pitch_of(sine)
+    found.results[:, _CLEARANCE] = clearance(setting, whole, found.motion)
+    return found
 
 
 @cache

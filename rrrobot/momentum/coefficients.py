@@ -152,7 +152,7 @@ def fill_lanes(tree, work, table, at):  # type: ignore[no-untyped-def]
                 work.bodies[tree.mass.size], out,
             )  # fmt: skip
             continue
-        _move(tree, i, work.angle[tree.leg[i]], work.rate[tree.leg[i]], work.bodies)
+        move_lanes(tree, i, work.angle[tree.leg[i]], work.rate[tree.leg[i]], work.bodies)
         _add_body(tree, i, work.bodies, out)
 
 
@@ -182,12 +182,12 @@ def _add_swing(f, ratio, shift, angle, rate, wave, out):  # type: ignore[no-unty
 
 @compiled()
 def _add_turned(tree, i, angle, rate, bodies, out):  # type: ignore[no-untyped-def]
-    _move(tree, i, angle, rate, bodies)
+    move_lanes(tree, i, angle, rate, bodies)
     _add_body(tree, i, bodies, out)
 
 
 @lanes
-def _move(tree, i, angle, rate, work):  # type: ignore[no-untyped-def]
+def move_lanes(tree, i, angle, rate, work):  # type: ignore[no-untyped-def]
     """Placement and relative velocity of body i after its joint's motion."""
     joint, parent, own = work[tree.mass.size], work[tree.parent[i]], work[i]
     ratio, shift = tree.ratio[i], tree.shift[i]

@@ -22,6 +22,8 @@ from rrrobot.momentum.lane import (
     X,
     along_plane,
     finish,
+    in_body,
+    in_world,
     turn,
     velocity,
 )
@@ -33,12 +35,8 @@ def round_on_plane(y, c, row, par, k, stage, center, radius, basis):  # type: ig
     c0, c1, c2 = center[0], center[1], center[2]
     b0, b1, b2 = basis[2, 0], basis[2, 1], basis[2, 2]
     for i in range(LANES):
-        r0, r1, r2, r3, r4, r5, r6, r7, r8 = turn(y, i)
-        n0, n1, n2 = (
-            b0 * r0 + b1 * r3 + b2 * r6,
-            b0 * r1 + b1 * r4 + b2 * r7,
-            b0 * r2 + b1 * r5 + b2 * r8,
-        )
+        r = turn(y, i)
+        n0, n1, n2 = in_body(r, b0, b1, b2)
         s0, s1, s2 = radius * n0 - c0, radius * n1 - c1, radius * n2 - c2
         w0, w1, w2, p0, p1, p2 = velocity(y, c, row, par, i, s0, s1, s2)
         x0, x1, x2 = (
@@ -47,12 +45,30 @@ def round_on_plane(y, c, row, par, k, stage, center, radius, basis):  # type: ig
             radius * (w0 * n1 - w1 * n0),
         )
         finish(
-            y, c, row, par, k, stage, i, r6, r7, r8, s0, s1, s2, w0, w1, w2, p0, p1, p2, x0, x1, x2
+            y,
+            c,
+            row,
+            par,
+            k,
+            stage,
+            i,
+            r[6],
+            r[7],
+            r[8],
+            s0,
+            s1,
+            s2,
+            w0,
+            w1,
+            w2,
+            p0,
+            p1,
+            p2,
+            x0,
+            x1,
+            x2,
         )
-        along_plane(
-            basis, k, stage, i,
-            r0 * x0 + r1 * x1 + r2 * x2, r3 * x0 + r4 * x1 + r5 * x2, r6 * x0 + r7 * x1 + r8 * x2,
-        )  # fmt: skip
+        along_plane(basis, k, stage, i, r, x0, x1, x2)
 
 
 @lanes
@@ -64,17 +80,13 @@ def round_on_boulder(  # type: ignore[no-untyped-def]
     det = 1.0 + curvature * radius
     scale = radius / det
     for i in range(LANES):
-        r0, r1, r2, r3, r4, r5, r6, r7, r8 = turn(y, i)
+        r = turn(y, i)
         b0, b1 = curvature * y[7 * LANES + i], curvature * y[8 * LANES + i]
         across = b0 * b0 + b1 * b1
         b[ROOM * LANES + i] = min(b[ROOM * LANES + i], limit - across)
         b[DET * LANES + i] = det
         b2 = np.sqrt(max(1.0 - across, 0.0))
-        n0, n1, n2 = (
-            b0 * r0 + b1 * r3 + b2 * r6,
-            b0 * r1 + b1 * r4 + b2 * r7,
-            b0 * r2 + b1 * r5 + b2 * r8,
-        )
+        n0, n1, n2 = in_body(r, b0, b1, b2)
         s0, s1, s2 = radius * n0 - c0, radius * n1 - c1, radius * n2 - c2
         w0, w1, w2, p0, p1, p2 = velocity(y, c, row, par, i, s0, s1, s2)
         x0, x1, x2 = (
@@ -83,10 +95,30 @@ def round_on_boulder(  # type: ignore[no-untyped-def]
             scale * (w0 * n1 - w1 * n0),
         )
         finish(
-            y, c, row, par, k, stage, i, r6, r7, r8, s0, s1, s2, w0, w1, w2, p0, p1, p2, x0, x1, x2
+            y,
+            c,
+            row,
+            par,
+            k,
+            stage,
+            i,
+            r[6],
+            r[7],
+            r[8],
+            s0,
+            s1,
+            s2,
+            w0,
+            w1,
+            w2,
+            p0,
+            p1,
+            p2,
+            x0,
+            x1,
+            x2,
         )
-        k[stage, 7 * LANES + i] = r0 * x0 + r1 * x1 + r2 * x2
-        k[stage, 8 * LANES + i] = r3 * x0 + r4 * x1 + r5 * x2
+        k[stage, 7 * LANES + i], k[stage, 8 * LANES + i], _ = in_world(r, x0, x1, x2)
 
 
 @lanes
@@ -97,12 +129,8 @@ def ellipsoid_on_plane(y, c, row, par, k, stage, center, terms, basis):  # type:
     xx, yy, zz = terms[0, 0], terms[0, 1], terms[0, 2]
     xy, xz, yz = terms[0, 3], terms[0, 4], terms[0, 5]
     for i in range(LANES):
-        r0, r1, r2, r3, r4, r5, r6, r7, r8 = turn(y, i)
-        n0, n1, n2 = (
-            b0 * r0 + b1 * r3 + b2 * r6,
-            b0 * r1 + b1 * r4 + b2 * r7,
-            b0 * r2 + b1 * r5 + b2 * r8,
-        )
+        r = turn(y, i)
+        n0, n1, n2 = in_body(r, b0, b1, b2)
         e0, e1, e2 = (
             xx * n0 + xy * n1 + xz * n2,
             xy * n0 + yy * n1 + yz * n2,
@@ -118,12 +146,30 @@ def ellipsoid_on_plane(y, c, row, par, k, stage, center, terms, basis):  # type:
         x1 = over * (xy * y0 + yy * y1 + yz * y2 - e1 * ey)
         x2 = over * (xz * y0 + yz * y1 + zz * y2 - e2 * ey)
         finish(
-            y, c, row, par, k, stage, i, r6, r7, r8, s0, s1, s2, w0, w1, w2, p0, p1, p2, x0, x1, x2
+            y,
+            c,
+            row,
+            par,
+            k,
+            stage,
+            i,
+            r[6],
+            r[7],
+            r[8],
+            s0,
+            s1,
+            s2,
+            w0,
+            w1,
+            w2,
+            p0,
+            p1,
+            p2,
+            x0,
+            x1,
+            x2,
         )
-        along_plane(
-            basis, k, stage, i,
-            r0 * x0 + r1 * x1 + r2 * x2, r3 * x0 + r4 * x1 + r5 * x2, r6 * x0 + r7 * x1 + r8 * x2,
-        )  # fmt: skip
+        along_plane(basis, k, stage, i, r, x0, x1, x2)
 
 
 @lanes
@@ -144,13 +190,33 @@ def bent_on_plane(y, c, row, par, k, stage, basis, b):  # type: ignore[no-untype
         b[W * LANES + i], b[(W + 1) * LANES + i], b[(W + 2) * LANES + i] = w0, w1, w2
         b[P * LANES + i], b[(P + 1) * LANES + i], b[(P + 2) * LANES + i] = p0, p1, p2
         b[X * LANES + i], b[(X + 1) * LANES + i], b[(X + 2) * LANES + i] = x0, x1, x2
-        r0, r1, r2 = b[R * LANES + i], b[(R + 1) * LANES + i], b[(R + 2) * LANES + i]
-        r3, r4, r5 = b[(R + 3) * LANES + i], b[(R + 4) * LANES + i], b[(R + 5) * LANES + i]
-        r6, r7, r8 = b[(R + 6) * LANES + i], b[(R + 7) * LANES + i], b[(R + 8) * LANES + i]
-        finish(
-            y, c, row, par, k, stage, i, r6, r7, r8, s0, s1, s2, w0, w1, w2, p0, p1, p2, x0, x1, x2
-        )
-        along_plane(
-            basis, k, stage, i,
-            r0 * x0 + r1 * x1 + r2 * x2, r3 * x0 + r4 * x1 + r5 * x2, r6 * x0 + r7 * x1 + r8 * x2,
+        r = (
+            b[R * LANES + i], b[(R + 1) * LANES + i], b[(R + 2) * LANES + i],
+            b[(R + 3) * LANES + i], b[(R + 4) * LANES + i], b[(R + 5) * LANES + i],
+            b[(R + 6) * LANES + i], b[(R + 7) * LANES + i], b[(R + 8) * LANES + i],
         )  # fmt: skip
+        finish(
+            y,
+            c,
+            row,
+            par,
+            k,
+            stage,
+            i,
+            r[6],
+            r[7],
+            r[8],
+            s0,
+            s1,
+            s2,
+            w0,
+            w1,
+            w2,
+            p0,
+            p1,
+            p2,
+            x0,
+            x1,
+            x2,
+        )
+        along_plane(basis, k, stage, i, r, x0, x1, x2)

@@ -12,14 +12,24 @@ from rrrobot.momentum.kernels import (
     LIFT_OFF,
     NOT_FINITE,
     OK,
+    ROWS_PER_STEP,
     VERTICAL,
     step,
 )
 from rrrobot.momentum.newton import TOLERANCE, put, take
 from rrrobot.momentum.normal import contact_motion, least_sum, push
 from rrrobot.momentum.rolling import evaluate_lanes
-from rrrobot.momentum.summary import ROWS_PER_STEP, angles, harmonic, least, lift, motion_of
+from rrrobot.momentum.summary import (
+    N_RESULT,
+    angles,
+    harmonic,
+    least,
+    lift,
+    motion_of,
+    tilt_of,
+)
 
+_STATUS = N_RESULT - 1
 NO_ORBIT = 7
 """A further reason why a gait has no steady state: no orbit of one period was found."""
 
@@ -41,6 +51,8 @@ def look(chart, axis, terrain, first, work, motion):  # type: ignore[no-untyped-
         step(y, table, at, h, par, axis, slopes, total, other, work.areas, terrain, work.rolling)
         angles(before, axis, work.angles[n])
         if axis == DECOUPLED:
+            for i in range(min(LANES, len(motion) - first)):
+                tilt_of(before, i, motion[first + i, n])
             continue
         if terrain is not None:
             # The stages have gone over the scratch.
@@ -70,9 +82,9 @@ def summarise(  # type: ignore[no-untyped-def]
     y, n_steps = work.state[0], len(work.lift)
     period = work.h[2, i] * n_steps
     residual = work.search.size[i]
-    row[13], row[15] = residual, OK
+    row[13], row[_STATUS] = residual, OK
     if not residual <= TOLERANCE:
-        row[15] = NO_ORBIT if np.isfinite(residual) else NOT_FINITE
+        row[_STATUS] = NO_ORBIT if np.isfinite(residual) else NOT_FINITE
         return
     turn = y[9 * LANES + i]
     c, s = np.cos(turn), np.sin(turn)
@@ -93,12 +105,13 @@ def summarise(  # type: ignore[no-untyped-def]
         for n in range(n_steps):
             value += value_of[m, n] * work.tilt[n, i]
         pitch = max(pitch, abs(value))
+    row[15] = pitch
     if terrain is not None:
         row[14] = least_sum(slope_of, work.lift, period, value_of, work.push, i)
     else:
         weight = work.parameters[i] * work.parameters[3 * LANES + i]
         row[14] = weight + least(slope_of, work.lift, i) / period
     if pitch > limit:
-        row[15] = VERTICAL
+        row[_STATUS] = VERTICAL
     elif work.parameters[LANES + i] > 0.0 and row[14] <= 0.0:
-        row[15] = LIFT_OFF
+        row[_STATUS] = LIFT_OFF

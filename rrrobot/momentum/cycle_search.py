@@ -13,12 +13,14 @@ from typing import NamedTuple
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.momentum.batch import _contiguous, _derivative, _turns
-from rrrobot.momentum.coefficients import LANES, N_COEFFICIENTS, LaneWork, lane_work
+from rrrobot.drive.gaits.batch import GaitBatch
+from rrrobot.momentum.batch import _derivative
+from rrrobot.momentum.coefficients import LANES, N_COEFFICIENTS
 from rrrobot.momentum.compiled import borrowed, compiled, inner
 from rrrobot.momentum.cycle_look import look, summarise
-from rrrobot.momentum.kernels import ANY, BLOCK, DECOUPLED, N_STAGES, N_STATE
+from rrrobot.momentum.kernels import ANY, BLOCK, DECOUPLED, N_STAGES, N_STATE, ROWS_PER_STEP
 from rrrobot.momentum.lane import scratch
+from rrrobot.momentum.legs import GaitWork, checked, gait_work, tabulate, turns_of
 from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.newton import (
     TOLERANCE,
@@ -33,9 +35,7 @@ from rrrobot.momentum.newton import (
     search_room,
 )
 from rrrobot.momentum.normal import N_ANY_MOTION
-from rrrobot.momentum.settle import tabulate
-from rrrobot.momentum.summary import N_MOTION, N_RESULT, ROWS_PER_STEP
-from rrrobot.momentum.work import FourierGaits
+from rrrobot.momentum.summary import N_MOTION, N_RESULT
 
 _CRUDE, _COARSE = 0.2, 0.4
 """Steps of the first maps, of those of the map itself, and Broyden's steps on each."""
@@ -47,8 +47,8 @@ class Found(NamedTuple):
     """Limit cycles of n gaits."""
 
     results: Array
-    """(n, N_RESULT), as `RESULT` has them, "variation" the residual; NaN but for that and the
-    status where there is no orbit"""
+    """(n, N_RESULT), as `RESULT` has them, "variation" the residual, "pitch" its |sine|, without
+    "clearance"; NaN but for the residual and the status where there is no orbit"""
     point: Array
     """coordinates of the orbits' starts (n, d)"""
     slope: Array
@@ -62,9 +62,7 @@ class Found(NamedTuple):
 class Room(NamedTuple):
     """Room for a block of LANES gaits; see `Work` for what has the same name there."""
 
-    lanes: LaneWork
-    gait: Array
-    omega: Array
+    legs: GaitWork
     tables: tuple[Array, ...]
     """coefficients of the crude, the coarse and the whole map"""
     other: tuple[Array, ...]
@@ -88,15 +86,14 @@ class Room(NamedTuple):
 def search(
     setting: Setting,
     chart: Chart,
-    gaits: FourierGaits,
+    gaits: GaitBatch,
     steps: int,
     *,
-    yaw: FourierGaits | None = None,
+    yaw: GaitBatch | None = None,
     start: tuple[Array, Array] | None = None,
     settling: int = 0,
     most: int = 30,
     slopes: bool = True,
-    motion: bool = False,
 ) -> Found:
     """Limit cycles of n gaits of any harmonics, of the legs' period.
 
@@ -113,39 +110,41 @@ def search(
             fewer steps.
         most: Broyden's steps.
         slopes: whether to have dP/dx.
-        motion: whether to keep that of the cycle.
+
+    Raises:
+        GaitError: a leg cannot go round and round.
     """
-    n = len(gaits.offset)
+    n = gaits.n
     d, harmonics = len(chart.angles) + len(chart.momenta), gaits.sine.shape[1]
     width = N_ANY_MOTION if setting.axis == ANY else N_MOTION
     found = Found(
         np.full((n, N_RESULT), np.nan), np.empty((n, d)), np.full((n, d, d), np.nan), np.empty(n),
-        np.empty((n if motion else 0, steps, width)),
+        np.full((n, steps, width), np.nan),
     )  # fmt: skip
     counts = [max(2 + k, ceil(part * steps)) for k, part in enumerate((_CRUDE, _COARSE))]
     counts.append(steps)
     slope_of, value_of = _derivative(steps, True)
     near, slope = start or (np.empty((0, d)), np.empty((0, d, d)))
-    turns = tuple(_turns(count, harmonics) for count in counts)
+    turns = tuple(turns_of(count, harmonics) for count in counts)
     _search(
-        setting.tree, setting.axis, setting.limit, setting.terrain, chart, _contiguous(gaits),
-        _contiguous(yaw or gaits), turns, slope_of, value_of, np.ascontiguousarray(near),
-        np.ascontiguousarray(slope), settling, most, slopes, _room(setting, harmonics, counts, d),
-        found,
+        setting.tree, setting.axis, setting.limit, setting.terrain, chart,
+        tuple(checked(setting.tree, gaits)), tuple(checked(setting.tree, yaw or gaits)), turns,
+        slope_of, value_of, np.ascontiguousarray(near), np.ascontiguousarray(slope), settling,
+        most, slopes, _room(setting, harmonics, counts, d), found,
     )  # fmt: skip
     return found
 
 
 def _room(setting: Setting, harmonics: int, counts: list[int], d: int) -> Room:
-    lanes, steps, width = lane_work(setting.tree), counts[-1], N_COEFFICIENTS * LANES
-    legs, decoupled = len(lanes.angle), setting.axis == DECOUPLED
+    steps, width = counts[-1], N_COEFFICIENTS * LANES
+    decoupled = setting.axis == DECOUPLED
 
     def tables(wanted: bool) -> tuple[Array, ...]:
         return tuple(np.zeros((wanted * (count * ROWS_PER_STEP + 1), width)) for count in counts)
 
     forces, pushes, tilts = (np.zeros((steps, LANES)) for _ in range(3))
     return Room(
-        lanes, np.zeros((1 + 2 * harmonics, legs, LANES)), np.zeros(LANES), tables(True),
+        gait_work(setting.tree, harmonics), tables(True),
         tables(decoupled), np.zeros((3, BLOCK)), np.repeat(setting.parameters, LANES),
         np.zeros((4, BLOCK)), np.zeros((N_STAGES, BLOCK)), np.zeros(3 * LANES),
         np.zeros((steps, 3 * LANES)), forces, pushes, tilts, scratch(setting.terrain),
@@ -175,7 +174,7 @@ def _search(  # type: ignore[no-untyped-def]
             steps = (len(work.tables[k]) - 1) // ROWS_PER_STEP
             for i in range(LANES):
                 for e in range(N_STATE):
-                    work.h[k, e * LANES + i] = 2.0 * np.pi / work.omega[i] / steps
+                    work.h[k, e * LANES + i] = 2.0 * np.pi / work.legs.omega[i] / steps
         _scale(axis, work)
         fine, h = work.tables[2], work.h[2]
         for i in range(LANES):
@@ -234,8 +233,8 @@ def _tabulate(  # type: ignore[no-untyped-def]
 ):
     """A block's coefficients over a period."""
     if axis == DECOUPLED:
-        tabulate(tree, yaw_gaits, first, turns, work, other)
-    tabulate(tree, gaits, first, turns, work, table)
+        tabulate(tree, yaw_gaits, first, turns, work.legs, other)
+    tabulate(tree, gaits, first, turns, work.legs, table)
     if axis == DECOUPLED:
         for r in range(len(table)):
             for i in range(LANES):
@@ -250,7 +249,7 @@ def _scale(axis, work):  # type: ignore[no-untyped-def]
     for i in range(LANES):
         inertia = (table[0, 3 * LANES + i] + table[0, 4 * LANES + i] + table[0, 5 * LANES + i]) / 3
         radius = 0.0 if axis == ANY else par[LANES + i]
-        work.search.scale[i] = (inertia + par[i] * radius**2) * work.omega[i]
+        work.search.scale[i] = (inertia + par[i] * radius**2) * work.legs.omega[i]
 
 
 @inner

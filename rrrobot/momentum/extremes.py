@@ -1,9 +1,9 @@
 """Torques, power and friction that a settled gait takes, from the motion of its last cycle.
 
 The motion (z_body and the angular velocity) is periodic in the body's axes, and known at the
-engine's steps. Trigonometric interpolation gives it at `_REFINED` times as many instants, where
-forces and torques follow from the equations of motion; these are interpolated in turn, and their
-extremes are polished on the interpolant.
+engine's steps. Trigonometric interpolation gives it at twice as many instants, where forces and
+torques follow from the equations of motion; these are interpolated in turn, and their extremes are
+polished on the interpolant.
 """
 
 from __future__ import annotations
@@ -13,24 +13,22 @@ from typing import NamedTuple
 import numpy as np
 
 from rrrobot.checks import Array
+from rrrobot.drive.gaits.batch import GaitBatch
 from rrrobot.momentum.coefficients import LANES, N_COEFFICIENTS, LaneWork, fill_lanes, lane_work
 from rrrobot.momentum.compiled import borrowed, compiled, inner
 from rrrobot.momentum.forces import Bodies, bodies
-from rrrobot.momentum.interpolation import interpolation, spline_matrix
+from rrrobot.momentum.interpolation import between
+from rrrobot.momentum.legs import checked, legs_at, turns_at
 from rrrobot.momentum.loads import FRICTION, TORQUE, loads, n_signals
 from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.normal import N_ANY_MOTION
-from rrrobot.momentum.work import FourierGaits
 from rrrobot.robot.limits import CREEP
 
-LOADS = ("normal_force", "friction", "rms_torque", "peak_torque", "power", "clearance")
+LOADS = ("normal_force", "friction", "rms_torque", "peak_torque", "power")
 """Least normal force [N]; largest friction coefficient that is needed, infinite if the normal force
 is not positive, NaN of a pivoted model; root of the mean sum of squared motor torques; largest
-|motor torque| of any leg [N m]; mean of the sum of |torque x rate| [W]; least height of a leg's
-mass centre above the ground [m]. Torques of a prismatic leg are forces [N]."""
-_REFINED = 2
-_FINE = 96
-"""Least number of points in a cycle that extremes are first looked for at."""
+|motor torque| of any leg [N m]; mean of the sum of |torque x rate| [W]. Torques of a prismatic leg
+are forces [N]."""
 _NEAR = 0.02
 """Local extremes that are this near to the largest, relative, are polished too."""
 _PARTS = 8
@@ -63,7 +61,7 @@ class Work(NamedTuple):
 
 
 def extremes(
-    setting: Setting, gaits: FourierGaits, motion: Array, peaks: Array | None = None
+    setting: Setting, gaits: GaitBatch, motion: Array, peaks: Array | None = None
 ) -> Array:
     """Loads of gaits (n, len(LOADS)) in the cycle of which the motion is given.
 
@@ -78,32 +76,21 @@ def extremes(
         peaks: filled with the largest |motor torque| of each leg (n, legs) [N m], if given.
     """
     steps, (n, legs) = motion.shape[1], gaits.offset.shape
-    instants, n_bodies = steps * (_REFINED if setting.periodic else 1), setting.tree.mass.size
-    times = -(-_FINE // instants)
-    if setting.periodic:
-        refine, finer = interpolation(steps, instants), interpolation(instants, instants * times)
-    else:
-        refine, finer = np.eye(steps), spline_matrix(steps, times, 0)
-    points = len(finer)
-    rows = n_signals(legs, n_bodies)
+    refine, finer = between(steps, setting.periodic)
+    instants, points, rows = len(refine), len(finer), n_signals(legs)
     work = Work(
-        lane_work(setting.tree), bodies(n_bodies), np.zeros((1, N_COEFFICIENTS * LANES)),
+        lane_work(setting.tree), bodies(setting.tree.mass.size),
+        np.zeros((1, N_COEFFICIENTS * LANES)),
         np.zeros(N_COEFFICIENTS), np.zeros(N_ANY_MOTION), np.zeros((3, legs)),
         np.zeros((instants, rows)),
         np.zeros((points, rows)), np.zeros(points), np.zeros(rows),
         np.zeros(2 + legs),
     )  # fmt: skip
     out = np.empty((n, len(LOADS)))
-    turn = (
-        2
-        * np.pi
-        / instants
-        * np.multiply.outer(np.arange(instants), np.arange(gaits.sine.shape[1]) + 1)
-    )
     evaluate(
-        setting.tree, setting.parameters, setting.axis, setting.leg_loss, tuple(gaits), motion,
-        np.array((np.sin(turn), np.cos(turn))), refine, finer, setting.periodic, work, out,
-        np.empty((0, legs)) if peaks is None else peaks,
+        setting.tree, setting.parameters, setting.axis, setting.leg_loss,
+        tuple(checked(setting.tree, gaits)), motion, turns_at(instants, gaits.sine.shape[1]),
+        refine, finer, setting.periodic, work, out, np.empty((0, legs)) if peaks is None else peaks,
     )  # fmt: skip
     return out
 
@@ -164,20 +151,17 @@ def evaluate(  # type: ignore[no-untyped-def]
                 square += x[TORQUE + leg] * x[TORQUE + leg]
                 work.values[k] = x[TORQUE + leg] * x[TORQUE + n_legs + leg]
             row[4] += _mean_size(work.values)
-        row[2], row[5] = np.sqrt(square / len(work.fine)), np.inf
-        for k in range(len(work.fine)):
-            for i in range(TORQUE + 2 * n_legs + 1, work.fine.shape[1]):
-                row[5] = min(row[5], work.fine[k, i])
+        row[2] = np.sqrt(square / len(work.fine))
 
 
 @inner
 def _signals(tree, parameters, axis, gaits, g, motion, turns, refine, work):  # type: ignore[no-untyped-def]
     """Signals of gait g at the instants."""
-    offset, sine, cosine, omega = gaits
+    offset, winding, sine, cosine, omega = gaits
     n, legs, lanes = len(work.signals), offset.shape[1], work.lanes
     for first in range(0, n, LANES):
         for k in range(first, min(first + LANES, n)):
-            _legs(omega[g], offset[g], sine[g], cosine[g], turns, k, work.leg)
+            legs_at(omega[g], offset[g], winding[g], sine[g], cosine[g], turns, k, work.leg)
             for leg in range(legs):
                 lanes.angle[leg, k - first] = work.leg[0, leg]
                 lanes.rate[leg, k - first] = work.leg[1, leg]
@@ -189,22 +173,9 @@ def _signals(tree, parameters, axis, gaits, g, motion, turns, refine, work):  # 
                 work.motion[s] = 0.0
                 for m in range(motion.shape[1]):
                     work.motion[s] += refine[k, m] * motion[g, m, s]
-            _legs(omega[g], offset[g], sine[g], cosine[g], turns, k, work.leg)
+            legs_at(omega[g], offset[g], winding[g], sine[g], cosine[g], turns, k, work.leg)
             loads(tree, work.motion, work.coefficients, work.leg, parameters, axis, work.bodies,
                   work.signals[k])  # fmt: skip
-
-
-@inner
-def _legs(omega, offset, sine, cosine, turns, k, leg):  # type: ignore[no-untyped-def]
-    """Angles, rates and accelerations (3, legs) of a gait at an instant."""
-    for i in range(offset.size):
-        leg[0, i], leg[1, i], leg[2, i] = offset[i], 0.0, 0.0
-        for j in range(len(sine)):
-            w, s, c = (j + 1) * omega, turns[0, k, j], turns[1, k, j]
-            swing = sine[j, i] * s + cosine[j, i] * c
-            leg[0, i] += swing
-            leg[1, i] += w * (sine[j, i] * c - cosine[j, i] * s)
-            leg[2, i] -= w * w * swing
 
 
 @inner

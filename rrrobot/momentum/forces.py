@@ -42,8 +42,6 @@ class Bodies(NamedTuple):
     """on the body and all that it carries (n, 3) [N]"""
     moment: Array
     """of that about C (n, 3) [N m]"""
-    height: Array
-    """of the mass centre over C (n,) [m]"""
     vector: Array
     """for what lives within one function only (10, 3); the last four are the caller's"""
     work: Array
@@ -55,7 +53,7 @@ def bodies(n: int) -> Bodies:
     rows = [np.zeros((n, 3)) for _ in range(7)]
     origin, axis, omega, alpha, acceleration, force, moment = rows
     return Bodies(
-        np.zeros((n, 3, 3)), origin, axis, omega, alpha, acceleration, force, moment, np.zeros(n),
+        np.zeros((n, 3, 3)), origin, axis, omega, alpha, acceleration, force, moment,
         np.zeros((10, 3)), np.zeros(6),
     )  # fmt: skip
 
@@ -77,10 +75,10 @@ def _add_cross(a, b, out, scale):  # type: ignore[no-untyped-def]
 
 
 @inner
-def sweep(tree, leg, w, alpha, s, drag, up, high, gravity, b):  # type: ignore[no-untyped-def]
+def sweep(tree, leg, w, alpha, s, drag, up, gravity, b):  # type: ignore[no-untyped-def]
     """Fill the scratch b for legs (3, legs): angles, rates, accelerations.
 
-    `drag` is w x (w x s - x_dot); heights are along `high`, the ground's normal.
+    `drag` is w x (w x s - x_dot).
     """
     n = tree.mass.size
     for a in range(3):
@@ -94,11 +92,11 @@ def sweep(tree, leg, w, alpha, s, drag, up, high, gravity, b):  # type: ignore[n
     _cross(w, b.origin[0], turning)
     _add_cross(w, turning, b.acceleration[0], 1.0)
     _add_cross(alpha, b.origin[0], b.acceleration[0], 1.0)
-    _load(tree, 0, b, up, high, gravity)
+    _load(tree, 0, b, up, gravity)
     for i in range(1, n):
         _place(tree, i, leg, b)
         _accelerate(tree, i, leg, b)
-        _load(tree, i, b, up, high, gravity)
+        _load(tree, i, b, up, gravity)
     for i in range(n - 1, 0, -1):
         p = tree.parent[i]
         for a in range(3):
@@ -158,8 +156,8 @@ def _accelerate(tree, i, leg, b):  # type: ignore[no-untyped-def]
 
 
 @inner
-def _load(tree, i, b, up, high, gravity):  # type: ignore[no-untyped-def]
-    """Force and moment about C that move body i, and the height of its mass centre."""
+def _load(tree, i, b, up, gravity):  # type: ignore[no-untyped-def]
+    """Force and moment about C that move body i."""
     arm, turning, centre, force = b.vector[0], b.vector[1], b.vector[2], b.force[i]
     r, lever, w, mass = b.rotation[i], tree.lever[i], b.omega[i], tree.mass[i]
     for a in range(3):
@@ -172,7 +170,6 @@ def _load(tree, i, b, up, high, gravity):  # type: ignore[no-untyped-def]
     for a in range(3):
         force[a] *= mass
     _cross(centre, force, b.moment[i])
-    b.height[i] = centre[0] * high[0] + centre[1] * high[1] + centre[2] * high[2]
     if not tree.point[i]:
         _add_rotation(tree.inertia[i], r, w, b.alpha[i], b.moment[i], b.vector)
 

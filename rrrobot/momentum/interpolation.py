@@ -19,6 +19,26 @@ def interpolation(n: int, points: int) -> Array:
     return np.ascontiguousarray(points / n * np.fft.irfft(spectrum, points, axis=0))
 
 
+_REFINED = 2
+_FINE = 96
+"""Least number of points in a cycle that extremes are first looked for at."""
+
+
+def between(steps: int, periodic: bool) -> tuple[Array, Array]:
+    """Matrices from the steps of a cycle to more instants of it, and from these to fine points.
+
+    Trigonometric interpolation at twice as many instants where the cycle repeats; else the steps
+    themselves, and a spline.
+    """
+    if not periodic:
+        return np.eye(steps), spline_matrix(steps, -(-_FINE // steps), 0)
+    instants = _REFINED * steps
+    return (
+        interpolation(steps, instants),
+        interpolation(instants, instants * -(-_FINE // instants)),
+    )
+
+
 @cache
 def spline_matrix(n: int, times: int, order: int) -> Array:
     """Matrix from n samples at 0, 1, ... to a derivative of their spline, `times` points for each.

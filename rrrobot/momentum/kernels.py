@@ -21,6 +21,7 @@ from scipy.integrate import DOP853
 
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import lanes
+from rrrobot.momentum.lane import brake, omega
 from rrrobot.momentum.rolling import rolling_rates
 from rrrobot.momentum.trigonometry import sine_cosine
 
@@ -37,6 +38,9 @@ _B = np.ascontiguousarray(DOP853.B)
 NODES = np.unique(DOP853.C[:N_STAGES])
 """Distinct instants of the stages within a step, from 0 to 1; the last is the next step's first."""
 _NODE = np.searchsorted(NODES, DOP853.C[:N_STAGES])
+ROWS_PER_STEP = NODES.size - 1
+"""Rows of a coefficient table for each step: its distinct stage times, the last being the next
+step's first."""
 
 ANY, DECOUPLED = -2, 3
 """The `axis` of a body that rolls with any shell on any ground, and of three single-axis models
@@ -88,30 +92,7 @@ def _rates(y, c, row, par, k, stage):  # type: ignore[no-untyped-def]
         p0, p1, p2 = c[row, 9 * LANES + i], c[row, 10 * LANES + i], c[row, 11 * LANES + i]
         mass, r, radius, g = par[i], par[1 * LANES + i], par[2 * LANES + i], par[3 * LANES + i]
         s0, s1, s2 = r * zx, r * zy, r * zz
-        # K less its part from the legs' own motion.
-        b0 = y[4 * LANES + i] - c[row, 12 * LANES + i] - (s1 * p2 - s2 * p1)
-        b1 = y[5 * LANES + i] - c[row, 13 * LANES + i] - (s2 * p0 - s0 * p2)
-        b2 = y[6 * LANES + i] - c[row, 14 * LANES + i] - (s0 * p1 - s1 * p0)
-        # I_P = I + (2 s.mc + M s.s) 1 - (mc s^T + s mc^T) - M s s^T.
-        ms = m0 * s0 + m1 * s1 + m2 * s2
-        whole = 2.0 * ms + mass * (s0 * s0 + s1 * s1 + s2 * s2)
-        i00 = c[row, 3 * LANES + i] + whole - (2.0 * m0 + mass * s0) * s0
-        i11 = c[row, 4 * LANES + i] + whole - (2.0 * m1 + mass * s1) * s1
-        i22 = c[row, 5 * LANES + i] + whole - (2.0 * m2 + mass * s2) * s2
-        i01 = c[row, 6 * LANES + i] - m0 * s1 - s0 * m1 - mass * s0 * s1
-        i02 = c[row, 7 * LANES + i] - m0 * s2 - s0 * m2 - mass * s0 * s2
-        i12 = c[row, 8 * LANES + i] - m1 * s2 - s1 * m2 - mass * s1 * s2
-        # Solve the symmetric 3 x 3 system by its adjugate.
-        a00 = i11 * i22 - i12 * i12
-        a01 = i02 * i12 - i01 * i22
-        a02 = i01 * i12 - i02 * i11
-        a11 = i00 * i22 - i02 * i02
-        a12 = i01 * i02 - i00 * i12
-        a22 = i00 * i11 - i01 * i01
-        over = 1.0 / (i00 * a00 + i01 * a01 + i02 * a02)
-        w0 = over * (a00 * b0 + a01 * b1 + a02 * b2)
-        w1 = over * (a01 * b0 + a11 * b1 + a12 * b2)
-        w2 = over * (a02 * b0 + a12 * b1 + a22 * b2)
+        w0, w1, w2 = omega(y, c, row, i, mass, m0, m1, m2, p0, p1, p2, s0, s1, s2)
         v0, v1, v2 = w1 * s2 - w2 * s1, w2 * s0 - w0 * s2, w0 * s1 - w1 * s0
         p0 += mass * v0 + w1 * m2 - w2 * m1
         p1 += mass * v1 + w2 * m0 - w0 * m2
@@ -120,27 +101,7 @@ def _rates(y, c, row, par, k, stage):  # type: ignore[no-untyped-def]
         f0 = -(w1 * k2 - w2 * k1) - g * (m1 * zz - m2 * zy) - (v1 * p2 - v2 * p1)
         f1 = -(w2 * k0 - w0 * k2) - g * (m2 * zx - m0 * zz) - (v2 * p0 - v0 * p2)
         f2 = -(w0 * k1 - w1 * k0) - g * (m0 * zy - m1 * zx) - (v0 * p1 - v1 * p0)
-        # Euler rates, from sin pitch = -zx and cos pitch (sin roll, cos roll) = (zy, zz).
-        cos2 = zy * zy + zz * zz
-        over_cos = 1.0 / np.sqrt(cos2)
-        sr, cr = zy * over_cos, zz * over_cos
-        tp = -zx * over_cos
-        about = sr * w1 + cr * w2
-        yaw_rate = about * over_cos
-        on_roll = -par[4 * LANES + i] * (w0 + tp * about)
-        on_pitch = -par[5 * LANES + i] * (cr * w1 - sr * w2)
-        on_yaw = -par[6 * LANES + i] * yaw_rate
-        lever = tp * on_roll + on_yaw * over_cos
-        euler = par[7 * LANES + i]
-        body = 1.0 - euler
-        f0 += euler * on_roll - body * par[4 * LANES + i] * w0
-        f1 += euler * (sr * lever + cr * on_pitch) - body * par[5 * LANES + i] * w1
-        f2 += euler * (cr * lever - sr * on_pitch) - body * par[6 * LANES + i] * w2
-        k[stage, i] = 0.5 * (qw * w0 + qy * w2 - qz * w1)
-        k[stage, 1 * LANES + i] = 0.5 * (qw * w1 + qz * w0 - qx * w2)
-        k[stage, 2 * LANES + i] = 0.5 * (qw * w2 + qx * w1 - qy * w0)
-        k[stage, 3 * LANES + i] = -0.5 * (qx * w0 + qy * w1 + qz * w2)
-        k[stage, 4 * LANES + i], k[stage, 5 * LANES + i], k[stage, 6 * LANES + i] = f0, f1, f2
+        brake(y, par, k, stage, i, zx, zy, zz, w0, w1, w2, f0, f1, f2)
         # Contact point of a sphere: r (Omega_y, -Omega_x).
         ox = (1.0 - 2.0 * scale * (qy * qy + qz * qz)) * w0 + 2.0 * scale * (
             (qx * qy - qw * qz) * w1 + (qx * qz + qw * qy) * w2
@@ -151,7 +112,6 @@ def _rates(y, c, row, par, k, stage):  # type: ignore[no-untyped-def]
         )
         k[stage, 7 * LANES + i] = radius * oy
         k[stage, 8 * LANES + i] = -radius * ox
-        k[stage, 9 * LANES + i] = yaw_rate
 
 
 @lanes

@@ -39,11 +39,28 @@ def turn(y, i):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def velocity(y, c, row, par, i, s0, s1, s2):  # type: ignore[no-untyped-def]
-    """w and p of lane i."""
-    m0, m1, m2 = c[row, i], c[row, LANES + i], c[row, 2 * LANES + i]
-    p0, p1, p2 = c[row, 9 * LANES + i], c[row, 10 * LANES + i], c[row, 11 * LANES + i]
-    mass = par[i]
+def in_body(r, b0, b1, b2):  # type: ignore[no-untyped-def]
+    """R^T b, of what `turn` gives."""
+    return (
+        b0 * r[0] + b1 * r[3] + b2 * r[6],
+        b0 * r[1] + b1 * r[4] + b2 * r[7],
+        b0 * r[2] + b1 * r[5] + b2 * r[8],
+    )
+
+
+@njit(inline="always")
+def in_world(r, x0, x1, x2):  # type: ignore[no-untyped-def]
+    """R x."""
+    return (
+        r[0] * x0 + r[1] * x1 + r[2] * x2,
+        r[3] * x0 + r[4] * x1 + r[5] * x2,
+        r[6] * x0 + r[7] * x1 + r[8] * x2,
+    )
+
+
+@njit(inline="always")
+def omega(y, c, row, i, mass, m0, m1, m2, p0, p1, p2, s0, s1, s2):  # type: ignore[no-untyped-def]
+    """w of lane i: I_P w = K - L_rel - s x p_rel."""
     b0 = y[4 * LANES + i] - c[row, 12 * LANES + i] - (s1 * p2 - s2 * p1)
     b1 = y[5 * LANES + i] - c[row, 13 * LANES + i] - (s2 * p0 - s0 * p2)
     b2 = y[6 * LANES + i] - c[row, 14 * LANES + i] - (s0 * p1 - s1 * p0)
@@ -55,6 +72,7 @@ def velocity(y, c, row, par, i, s0, s1, s2):  # type: ignore[no-untyped-def]
     i01 = c[row, 6 * LANES + i] - m0 * s1 - s0 * m1 - mass * s0 * s1
     i02 = c[row, 7 * LANES + i] - m0 * s2 - s0 * m2 - mass * s0 * s2
     i12 = c[row, 8 * LANES + i] - m1 * s2 - s1 * m2 - mass * s1 * s2
+    # The symmetric 3 x 3 system is solved by its adjugate.
     a00 = i11 * i22 - i12 * i12
     a01 = i02 * i12 - i01 * i22
     a02 = i01 * i12 - i02 * i11
@@ -62,9 +80,20 @@ def velocity(y, c, row, par, i, s0, s1, s2):  # type: ignore[no-untyped-def]
     a12 = i01 * i02 - i00 * i12
     a22 = i00 * i11 - i01 * i01
     over = 1.0 / (i00 * a00 + i01 * a01 + i02 * a02)
-    w0 = over * (a00 * b0 + a01 * b1 + a02 * b2)
-    w1 = over * (a01 * b0 + a11 * b1 + a12 * b2)
-    w2 = over * (a02 * b0 + a12 * b1 + a22 * b2)
+    return (
+        over * (a00 * b0 + a01 * b1 + a02 * b2),
+        over * (a01 * b0 + a11 * b1 + a12 * b2),
+        over * (a02 * b0 + a12 * b1 + a22 * b2),
+    )
+
+
+@njit(inline="always")
+def velocity(y, c, row, par, i, s0, s1, s2):  # type: ignore[no-untyped-def]
+    """w and p of lane i."""
+    m0, m1, m2 = c[row, i], c[row, LANES + i], c[row, 2 * LANES + i]
+    p0, p1, p2 = c[row, 9 * LANES + i], c[row, 10 * LANES + i], c[row, 11 * LANES + i]
+    mass = par[i]
+    w0, w1, w2 = omega(y, c, row, i, mass, m0, m1, m2, p0, p1, p2, s0, s1, s2)
     # M s + mc takes the place of both parts of p.
     t0, t1, t2 = mass * s0 + m0, mass * s1 + m1, mass * s2 + m2
     p0, p1, p2 = p0 + w1 * t2 - w2 * t1, p1 + w2 * t0 - w0 * t2, p2 + w0 * t1 - w1 * t0
@@ -76,7 +105,6 @@ def finish(  # type: ignore[no-untyped-def]
     y, c, row, par, k, stage, i, zx, zy, zz, s0, s1, s2, w0, w1, w2, p0, p1, p2, x0, x1, x2
 ):
     """Rates of the quaternion, of K and of yaw of lane i."""
-    qx, qy, qz, qw = y[i], y[LANES + i], y[2 * LANES + i], y[3 * LANES + i]
     mass, g = par[i], par[3 * LANES + i]
     t0 = g * (mass * s0 + c[row, i])
     t1 = g * (mass * s1 + c[row, LANES + i])
@@ -85,6 +113,13 @@ def finish(  # type: ignore[no-untyped-def]
     f0 = -(w1 * k2 - w2 * k1) - (t1 * zz - t2 * zy) - (x1 * p2 - x2 * p1)
     f1 = -(w2 * k0 - w0 * k2) - (t2 * zx - t0 * zz) - (x2 * p0 - x0 * p2)
     f2 = -(w0 * k1 - w1 * k0) - (t0 * zy - t1 * zx) - (x0 * p1 - x1 * p0)
+    brake(y, par, k, stage, i, zx, zy, zz, w0, w1, w2, f0, f1, f2)
+
+
+@njit(inline="always")
+def brake(y, par, k, stage, i, zx, zy, zz, w0, w1, w2, f0, f1, f2):  # type: ignore[no-untyped-def]
+    """Rates of the quaternion and of yaw of lane i, and of K: a moment f and the damping."""
+    qx, qy, qz, qw = y[i], y[LANES + i], y[2 * LANES + i], y[3 * LANES + i]
     # Euler rates, from sin pitch = -zx and cos pitch (sin roll, cos roll) = (zy, zz).
     over_cos = 1.0 / np.sqrt(zy * zy + zz * zz)
     sr, cr = zy * over_cos, zz * over_cos
@@ -108,7 +143,8 @@ def finish(  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def along_plane(basis, k, stage, i, d0, d1, d2):  # type: ignore[no-untyped-def]
-    """Rates of a plane's coordinates, of P_dot in the world."""
+def along_plane(basis, k, stage, i, r, x0, x1, x2):  # type: ignore[no-untyped-def]
+    """Rates of a plane's coordinates, of P_dot = R x_dot."""
+    d0, d1, d2 = in_world(r, x0, x1, x2)
     k[stage, 7 * LANES + i] = basis[0, 0] * d0 + basis[0, 1] * d1 + basis[0, 2] * d2
     k[stage, 8 * LANES + i] = basis[1, 0] * d0 + basis[1, 1] * d1 + basis[1, 2] * d2

@@ -1,4 +1,4 @@
-"""Signals of a state of the engine that are forces: contact, friction, motors; and heights.
+"""Signals of a state of the engine that are forces: contact, friction, motors.
 
 The angular acceleration follows from the moment about the pivot, which is linear in it:
 
@@ -15,15 +15,12 @@ from rrrobot.momentum.kernels import ANY
 
 FRICTION, TORQUE = 1, 4
 """Rows of the signals: first the normal force; then three components of the friction force in the
-body's axes; for each leg its torque, for each its rate; for each body the height of its mass centre
-above the ground, or above the tangent plane at the contact where the ground curves."""
-_MASSLESS = 1e9
-"""Height [m] of bodies that cannot touch the ground because they are not there."""
+body's axes; for each leg its torque, for each its rate."""
 
 
-def n_signals(legs: int, bodies: int) -> int:
+def n_signals(legs: int) -> int:
     """Number of rows."""
-    return TORQUE + 2 * legs + bodies
+    return TORQUE + 2 * legs
 
 
 @inner
@@ -102,12 +99,11 @@ def loads(tree, motion, c, leg, parameters, axis, b, out):  # type: ignore[no-un
     """
     drag, s, alpha, right, work = b.vector[6], b.vector[7], b.vector[8], b.vector[9], b.work
     force, moment = b.force[0], b.moment[0]
-    up, w, high, above = motion[:3], motion[3:6], motion[:3], parameters[2]
+    up, w, high = motion[:3], motion[3:6], motion[:3]
     if axis == ANY:
-        high, rate, above = motion[6:9], motion[12:15], 0.0
+        high, rate = motion[6:9], motion[12:15]
         for a in range(3):
             s[a], alpha[a] = motion[9 + a], 0.0
-            above += high[a] * s[a]
         # w x (w x s - x_dot); alpha is free until it is solved for.
         for a in range(3):
             d, e = (a + 1) % 3, (a + 2) % 3
@@ -118,7 +114,7 @@ def loads(tree, motion, c, leg, parameters, axis, b, out):  # type: ignore[no-un
     else:
         for a in range(3):
             s[a], alpha[a], drag[a] = parameters[1] * up[a], 0.0, 0.0
-    sweep(tree, leg, w, alpha, s, drag, up, high, parameters[3], b)
+    sweep(tree, leg, w, alpha, s, drag, up, parameters[3], b)
     if axis < 0:
         damping_moment(w, up, parameters, right)
     else:
@@ -128,18 +124,15 @@ def loads(tree, motion, c, leg, parameters, axis, b, out):  # type: ignore[no-un
         d, e = (a + 1) % 3, (a + 2) % 3
         right[a] -= moment[a] + s[d] * force[e] - s[e] * force[d]
     accelerate(c, axis, s, work, right, parameters[0], alpha)
-    sweep(tree, leg, w, alpha, s, drag, up, high, parameters[3], b)
+    sweep(tree, leg, w, alpha, s, drag, up, parameters[3], b)
     out[0] = force[0] * high[0] + force[1] * high[1] + force[2] * high[2]
     for a in range(3):
         out[1 + a] = force[a] - out[0] * high[a]
     n_legs = leg.shape[1]
     for k in range(n_legs):
         out[TORQUE + k], out[TORQUE + n_legs + k] = 0.0, leg[1, k]
-    for i in range(tree.mass.size):
-        held = i > 0 and tree.mass[i] > 0.0
-        out[TORQUE + 2 * n_legs + i] = above + b.height[i] if held else _MASSLESS
-        if i > 0:
-            out[TORQUE + tree.leg[i]] += tree.ratio[i] * _motor(tree, i, b)
+    for i in range(1, tree.mass.size):
+        out[TORQUE + tree.leg[i]] += tree.ratio[i] * _motor(tree, i, b)
 
 
 @inner

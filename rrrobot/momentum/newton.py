@@ -19,8 +19,7 @@ from numpy.typing import NDArray
 from rrrobot.checks import Array
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import inner
-from rrrobot.momentum.kernels import BLOCK, TILT, step
-from rrrobot.momentum.summary import ROWS_PER_STEP
+from rrrobot.momentum.kernels import BLOCK, ROWS_PER_STEP, TILT, step
 
 TOLERANCE = 1e-12
 """Largest residual of an orbit in scaled units."""

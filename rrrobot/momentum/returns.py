@@ -13,23 +13,24 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import Gait
-from rrrobot.momentum.batch import stage_times
-from rrrobot.momentum.coefficients import (
-    LANES,
-    N_COEFFICIENTS,
-    LaneWork,
-    fill,
-    lane_work,
-)
+from rrrobot.drive.gaits.batch import GaitBatch
+from rrrobot.momentum.coefficients import LANES, N_COEFFICIENTS, fill
 from rrrobot.momentum.compiled import borrowed, compiled, inner
-from rrrobot.momentum.kernels import ANY, BLOCK, DECOUPLED, N_STAGES, N_STATE, step
+from rrrobot.momentum.kernels import (
+    ANY,
+    BLOCK,
+    DECOUPLED,
+    N_STAGES,
+    N_STATE,
+    ROWS_PER_STEP,
+    step,
+)
 from rrrobot.momentum.lane import scratch
+from rrrobot.momentum.legs import checked, gait_work, stage_times, tabulate, turns_of
 from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.normal import N_ANY_MOTION, contact_motion, push
 from rrrobot.momentum.rolling import evaluate_lanes
-from rrrobot.momentum.settle import tabulate
-from rrrobot.momentum.summary import N_MOTION, ROWS_PER_STEP, angles, lift, motion_of
-from rrrobot.momentum.work import FourierGaits
+from rrrobot.momentum.summary import N_MOTION, angles, lift, motion_of
 
 _YAWS_OWN = (5, 14)
 """Coefficients that the yaw model alone takes, where it has a gait of its own."""
@@ -81,30 +82,17 @@ class Seen(NamedTuple):
     """what its rate lacks of the normal force, of any shell (n, steps)"""
 
 
-class _Gait(NamedTuple):
-    """What `tabulate` needs of a block's work."""
-
-    lanes: LaneWork
-    gait: Array
-    omega: Array
-
-
 def cycles_of(
-    setting: Setting, gaits: FourierGaits, steps: int, yaw: FourierGaits | None = None
+    setting: Setting, gaits: GaitBatch, steps: int, yaw: GaitBatch | None = None
 ) -> Cycles:
-    """Tabulate a period of gaits, each (n, ...); `yaw`: the yaw model's own, if decoupled."""
-    n, harmonics, legs = gaits.sine.shape
+    """Tabulate a period of gaits; `yaw`: the yaw model's own, if decoupled."""
+    n, harmonics, _ = gaits.sine.shape
     blocks, rows = -(-n // LANES), steps * ROWS_PER_STEP + 1
-    turn = 2 * np.pi / steps * np.multiply.outer(stage_times(0, 1, steps), np.arange(harmonics) + 1)
-    turns = np.array((np.sin(turn), np.cos(turn)))
-    work = _Gait(
-        lane_work(setting.tree), np.zeros((1 + 2 * harmonics, legs, LANES)), np.zeros(LANES)
-    )
+    turns, work = turns_of(steps, harmonics), gait_work(setting.tree, harmonics)
 
-    def tables(some: FourierGaits) -> Array:
-        parts = tuple(np.ascontiguousarray(part, dtype=np.float64) for part in some)
+    def tables(some: GaitBatch) -> Array:
         out = np.empty((blocks, rows, N_COEFFICIENTS * LANES))
-        _tabulate(setting.tree, parts, turns, work, out)
+        _tabulate(setting.tree, tuple(checked(setting.tree, some)), turns, work, out)
         return out
 
     table = tables(gaits)

@@ -119,24 +119,6 @@ def _rate_flat(radius, b):  # type: ignore[no-untyped-def]
 
 
 @lanes
-def _rate_plane(b):  # type: ignore[no-untyped-def]
-    """x_dot = H (w x n)."""
-    for i in range(LANES):
-        w0, w1, w2 = b[W * LANES + i], b[(W + 1) * LANES + i], b[(W + 2) * LANES + i]
-        n0, n1, n2 = b[N * LANES + i], b[(N + 1) * LANES + i], b[(N + 2) * LANES + i]
-        y0, y1, y2 = w1 * n2 - w2 * n1, w2 * n0 - w0 * n2, w0 * n1 - w1 * n0
-        b[X * LANES + i] = (
-            b[H * LANES + i] * y0 + b[(H + 3) * LANES + i] * y1 + b[(H + 4) * LANES + i] * y2
-        )
-        b[(X + 1) * LANES + i] = (
-            b[(H + 3) * LANES + i] * y0 + b[(H + 1) * LANES + i] * y1 + b[(H + 5) * LANES + i] * y2
-        )
-        b[(X + 2) * LANES + i] = (
-            b[(H + 4) * LANES + i] * y0 + b[(H + 5) * LANES + i] * y1 + b[(H + 2) * LANES + i] * y2
-        )
-
-
-@lanes
 def _rate_boulder(k, b):  # type: ignore[no-untyped-def]
     """x_dot = (H y + k D y)/(1 + k T + k^2 D), T = tr H, D the product of the principal radii."""
     for i in range(LANES):

@@ -1,20 +1,15 @@
 """Blocks of gaits through the engine until they settle, and what they then do per cycle, in Numba.
 
-A gait is phi = offset + sum over j = 1, 2, ... of sine_j sin(j w t) + cosine_j cos(j w t). With n
-equal steps in a period the phase w t at every stage of every step is the same for all gaits, so
-its sines and cosines are tabulated once, for all.
+A gait is a row of a `GaitBatch`. With n equal steps in a period its phase u = w t at every stage of
+every step is the same for all gaits, so the sines and cosines are tabulated once, for all.
 """
 
 from __future__ import annotations
 
 import numpy as np
 
-from rrrobot.momentum.coefficients import (
-    LANES,
-    N_COEFFICIENTS,
-    fill_lanes,
-)
-from rrrobot.momentum.compiled import borrowed, compiled, inner, lanes
+from rrrobot.momentum.coefficients import LANES
+from rrrobot.momentum.compiled import borrowed, compiled, inner
 from rrrobot.momentum.kernels import (
     BLOCK,
     DECOUPLED,
@@ -23,22 +18,24 @@ from rrrobot.momentum.kernels import (
     N_STATE,
     NOT_FINITE,
     OK,
+    ROWS_PER_STEP,
     TIGHT,
     VERTICAL,
     step,
 )
 from rrrobot.momentum.lane import DET, ROOM
+from rrrobot.momentum.legs import tabulate
 from rrrobot.momentum.normal import contact_motion, least_sum, push
 from rrrobot.momentum.rolling import evaluate_lanes
 from rrrobot.momentum.summary import (
     N_RESULT,
-    ROWS_PER_STEP,
     angles,
     drift,
     harmonic,
     least,
     lift,
     motion_of,
+    tilt_of,
 )
 from rrrobot.momentum.vertical import N_PAST, largest_between, may_pass, watch
 
@@ -52,16 +49,16 @@ def settle(  # type: ignore[no-untyped-def]
 
     Args:
         tree, axis, limit, terrain: see `Setting`.
-        gaits: offset (n, legs), sine and cosine (n, harmonics, legs), frequency (n,).
+        gaits: offset and winding (n, legs), sine and cosine (n, harmonics, legs), frequency (n,).
         yaw_gaits: those of the yaw model alone, for decoupled models; else not used.
         cycles: of each gait (n,).
-        turns: sines and cosines of the gait's phase, (2, rows, harmonics).
+        turns: see `turns_of`, (3, rows, harmonics).
         slope_of: (points, steps) from samples of a period to slopes of their trigonometric
             interpolation, times the period; where the motion does not repeat, of a spline's.
         value_of: likewise to the interpolation itself; not used unless axis is ANY.
         work: see `work_of`.
-        motion: (n, steps, entries), filled with the last cycle; (0, steps, ...) to leave it.
-        sine: (n,), filled with the largest |sin pitch|.
+        motion: (n, steps, entries), filled with the last cycle; if decoupled, its z_body alone.
+        sine: (n,), filled with the largest |sin pitch|; zero if decoupled.
         out: (n, N_RESULT), filled; of a lane that stopped all but the status is NaN.
     """
     tree, work, gaits, yaw_gaits = (
@@ -81,10 +78,10 @@ def settle(  # type: ignore[no-untyped-def]
             g = min(first + i, n - 1)
             work.ends[i] = cycles[g]
             for s in range(N_STATE):
-                work.h[s * LANES + i] = 2.0 * np.pi / gaits[3][g] / n_steps
-        tabulate(tree, gaits, first, turns, work, work.table)
+                work.h[s * LANES + i] = 2.0 * np.pi / gaits[4][g] / n_steps
+        tabulate(tree, gaits, first, turns, work.legs, work.table)
         if axis == DECOUPLED:
-            tabulate(tree, yaw_gaits, first, turns, work, work.other)
+            tabulate(tree, yaw_gaits, first, turns, work.legs, work.other)
             for r in range(len(work.table)):
                 for i in range(LANES):
                     work.table[r, 5 * LANES + i] = work.other[r, 5 * LANES + i]
@@ -111,41 +108,6 @@ def settle(  # type: ignore[no-untyped-def]
                 # Only a rolling contact can lift off: a pivot also pulls.
                 if work.parameters[LANES + i] > 0.0 and row[14] <= 0.0:
                     row[N_RESULT - 1] = LIFT_OFF
-
-
-@inner
-def tabulate(tree, gaits, first, turns, work, table):  # type: ignore[no-untyped-def]
-    """Coefficients of LANES gaits over their periods (rows, 15 LANES)."""
-    offset, sine, cosine, omega = gaits
-    n, legs = offset.shape
-    harmonics, rows = sine.shape[1], len(table) - 1
-    for i in range(LANES):
-        g = min(first + i, n - 1)
-        work.omega[i] = omega[g]
-        for leg in range(legs):
-            work.gait[0, leg, i] = offset[g, leg]
-            for j in range(harmonics):
-                work.gait[1 + 2 * j, leg, i] = sine[g, j, leg]
-                work.gait[2 + 2 * j, leg, i] = cosine[g, j, leg]
-    for r in range(rows):
-        for leg in range(legs):
-            _swing(work.gait, work.omega, turns, r, leg, work.lanes.angle, work.lanes.rate)
-        fill_lanes(tree, work.lanes, table, r)
-    for e in range(N_COEFFICIENTS * LANES):
-        table[rows, e] = table[0, e]
-
-
-@lanes
-def _swing(gait, omega, turns, r, leg, angle, rate):  # type: ignore[no-untyped-def]
-    """Angle and rate of a leg in every lane."""
-    for i in range(LANES):
-        angle[leg, i], rate[leg, i] = gait[0, leg, i], 0.0
-    for j in range(turns.shape[2]):
-        s, c = turns[0, r, j], turns[1, r, j]
-        for i in range(LANES):
-            a, b = gait[1 + 2 * j, leg, i], gait[2 + 2 * j, leg, i]
-            angle[leg, i] += a * s + b * c
-            rate[leg, i] += (j + 1.0) * omega[i] * (a * c - b * s)
 
 
 @inner
@@ -191,7 +153,9 @@ def _settle(axis, limit, terrain, first, work, motion, out):  # type: ignore[no-
                 if ends[i] - counted <= cycle < ends[i]:
                     for s in range(3):
                         work.angles[n, s * LANES + i] += other[s * LANES + i]
-                if cycle == ends[i] - 1 and axis != DECOUPLED:
+                if cycle == ends[i] - 1 and axis == DECOUPLED:
+                    tilt_of(before, i, motion[first + i, n])
+                elif cycle == ends[i] - 1:
                     motion_of(before, slopes, i, work.now)
                     if terrain is not None:
                         if not fresh:
@@ -202,9 +166,8 @@ def _settle(axis, limit, terrain, first, work, motion, out):  # type: ignore[no-
                         work.lift[n, i], work.push[n, i] = push(work.rolling, work.now, par, i)
                     else:
                         work.lift[n, i] = lift(work.now, table, at, i)
-                    if len(motion) > 0:
-                        for s in range(motion.shape[2]):
-                            motion[first + i, n, s] = work.now[s]
+                    for s in range(motion.shape[2]):
+                        motion[first + i, n, s] = work.now[s]
         for i in range(LANES):
             count = cycle - (ends[i] - counted)
             if 0 <= count < counted:

@@ -10,19 +10,15 @@ import numpy as np
 
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import inner, lanes
-from rrrobot.momentum.kernels import DECOUPLED, NODES
+from rrrobot.momentum.kernels import DECOUPLED, ROWS_PER_STEP
 from rrrobot.momentum.trigonometry import arc_tangent
 
-ROWS_PER_STEP = NODES.size - 1
-"""Rows of a coefficient table for each step: its distinct stage times, the last being the next
-step's first."""
 RESULT = (
     "speed", "velocity_x", "velocity_y", "yaw_rate", "roll_amplitude", "pitch_amplitude",
     "yaw_amplitude", "roll_phase", "pitch_phase", "yaw_phase", "roll_mean", "pitch_mean",
-    "yaw_mean", "variation", "normal_force", "status",
+    "yaw_mean", "variation", "normal_force", "pitch", "clearance", "status",
 )  # fmt: skip
-"""Entries of a lane's steady state; "normal_force" is the least of the last cycle [N], NaN for
-decoupled models."""
+"""Entries of a lane's steady state, see `rrrobot.results`."""
 N_RESULT = len(RESULT)
 N_MOTION = 6
 """Entries of a lane's motion at an instant: z_body (3), angular velocity in the body frame (3)."""
@@ -40,6 +36,16 @@ def motion_of(y, k, i, out):  # type: ignore[no-untyped-def]
     out[3] = scale * (qw * kx - kw * qx - (qy * kz - qz * ky))
     out[4] = scale * (qw * ky - kw * qy - (qz * kx - qx * kz))
     out[5] = scale * (qw * kz - kw * qz - (qx * ky - qy * kx))
+
+
+@inner
+def tilt_of(y, i, out):  # type: ignore[no-untyped-def]
+    """z_body of lane i of decoupled models, the other entries of its motion zero."""
+    roll, pitch = y[i], y[LANES + i]
+    for s in range(len(out)):
+        out[s] = 0.0
+    out[0], out[1] = -np.sin(pitch), np.cos(pitch) * np.sin(roll)
+    out[2] = np.cos(pitch) * np.cos(roll)
 
 
 @inner

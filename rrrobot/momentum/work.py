@@ -1,4 +1,4 @@
-"""Gaits as the engine takes them, and room for a block of them."""
+"""Room for a block of gaits on their way to a steady state."""
 
 from __future__ import annotations
 
@@ -8,36 +8,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.momentum.coefficients import LANES, N_COEFFICIENTS, LaneWork, lane_work
-from rrrobot.momentum.kernels import BLOCK, DECOUPLED, N_STAGES
+from rrrobot.momentum.coefficients import LANES, N_COEFFICIENTS
+from rrrobot.momentum.kernels import BLOCK, DECOUPLED, N_STAGES, ROWS_PER_STEP
 from rrrobot.momentum.lane import scratch
+from rrrobot.momentum.legs import GaitWork, gait_work
 from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.normal import N_ANY_MOTION
-from rrrobot.momentum.summary import ROWS_PER_STEP
 from rrrobot.momentum.vertical import N_PAST
-
-
-class FourierGaits(NamedTuple):
-    """Gaits, one a row: phi = offset + sum over j of sine_j sin(j w t) + cosine_j cos(j w t)."""
-
-    offset: Array
-    """(n, legs) [rad]"""
-    sine: Array
-    """(n, harmonics, legs) [rad]"""
-    cosine: Array
-    """(n, harmonics, legs) [rad]"""
-    angular_frequency: Array
-    """(n,) [rad/s]"""
 
 
 class Work(NamedTuple):
     """Room for a block of LANES gaits."""
 
-    lanes: LaneWork
-    gait: Array
-    """offset, then a sine and a cosine for each harmonic (1 + 2 harmonics, legs, LANES)"""
-    omega: Array
-    """(LANES,) [rad/s]"""
+    legs: GaitWork
     table: Array
     """coefficients (rows, 15 LANES)"""
     other: Array
@@ -79,11 +62,10 @@ class Work(NamedTuple):
 
 def work_of(setting: Setting, harmonics: int, counted: int, n_steps: int) -> Work:
     """Room for blocks of gaits of a number of steps."""
-    lanes, rows = lane_work(setting.tree), n_steps * ROWS_PER_STEP + 1
-    legs, width = len(lanes.angle), N_COEFFICIENTS * LANES
+    rows, width = n_steps * ROWS_PER_STEP + 1, N_COEFFICIENTS * LANES
     return Work(
-        lanes, np.zeros((1 + 2 * harmonics, legs, LANES)), np.zeros(LANES),
-        np.zeros((rows, width)), np.zeros((rows if setting.axis == DECOUPLED else 0, width)),
+        gait_work(setting.tree, harmonics), np.zeros((rows, width)),
+        np.zeros((rows if setting.axis == DECOUPLED else 0, width)),
         np.repeat(setting.parameters, LANES), np.zeros(BLOCK), np.zeros(LANES, dtype=np.int64),
         np.zeros((4, BLOCK)), np.zeros((N_STAGES, BLOCK)), np.zeros(3 * LANES),
         np.zeros((counted, 3 * LANES)), np.zeros((n_steps, 3 * LANES)), np.zeros((n_steps, LANES)),

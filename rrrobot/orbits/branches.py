@@ -16,6 +16,7 @@ from rrrobot.files import check_writable, write_whole
 from rrrobot.orbits.continuation import CROSSING, DOUBLING, KINDS, Curve, Point, Walk
 from rrrobot.orbits.limit_cycles import LimitCycle, cycle_of
 from rrrobot.orbits.parameters import parameter_of
+from rrrobot.progress import Progress, progress_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -185,6 +186,7 @@ def branch(
     step: float | None = None,
     points: int = _MOST,
     store: str | Path | None = None,
+    progress: Progress = False,
 ) -> Branch:
     """Follow a limit cycle as one parameter of gait, robot, damping or gravity changes.
 
@@ -200,6 +202,7 @@ def branch(
         points: at most so many.
         store: a netCDF file (.nc) that keeps the branch: written at the end and when interrupted.
             If it holds the start of this branch, it is gone on from there.
+        progress: see `rrrobot.progress`; in points, of the most.
 
     Raises:
         ParameterError: there is no such parameter; `to` is where the cycle is; numbers out of
@@ -236,14 +239,17 @@ def branch(
         made, special = _read(path, curve, cycle, parameter)
     walk = Walk(curve, min(_STEP, longest), longest, _SHORTEST)
     try:
-        for point, kind in walk.points(
-            made[-1], lambda value: low <= value <= high, points - len(made) + 1
-        ):
-            if kind == "end":
-                point = _at_end(curve, made[-1], point, goal, behind)
-            elif kind:
-                special.append((kind, len(made)))
-            made.append(point)
+        with progress_of(progress, "points", points, "points", len(made) - 1) as tell:
+            for point, kind in walk.points(
+                made[-1], lambda value: low <= value <= high, points - len(made) + 1
+            ):
+                if kind == "end":
+                    point = _at_end(curve, made[-1], point, goal, behind)
+                elif kind:
+                    special.append((kind, len(made)))
+                made.append(point)
+                if tell is not None:
+                    tell(len(made) - 1)
     except KeyboardInterrupt:
         walk.ended = "interrupted"
         kept = _made(curve, parameter, made, special, walk.ended, path)

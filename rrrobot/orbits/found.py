@@ -142,9 +142,10 @@ def checked_period(gait: Gait, legs: int) -> float:
             "it a period, or frequencies whose ratios are small fractions."
         )
     start, end = gait(0.0), gait(gait.period)
-    gap = max(
-        float(np.max(np.abs(b - a), initial=0.0)) for a, b in zip(start[:2], end[:2], strict=True)
-    )
+    moved, rates = (b - a for a, b in zip(start[:2], end[:2], strict=True))
+    # Legs may have gone round.
+    moved = moved - 2 * np.pi * np.round(moved / (2 * np.pi))
+    gap = max(float(np.max(np.abs(part), initial=0.0)) for part in (moved, rates))
     if gap > 1e-9 * (1.0 + float(np.max(np.abs(start.rate), initial=0.0))):
         raise GaitError(
             f"the gait says that it repeats after {gait.period:.6g} s, but then its angles or "

@@ -13,13 +13,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.momentum.batch import LOADS, RESULT, FourierGaits, Gaits, Setting, fourier
+from rrrobot.drive.gaits.batch import GaitBatch
+from rrrobot.momentum.batch import LOADS, RESULT, Setting
 from rrrobot.momentum.cycle_look import NO_ORBIT
 from rrrobot.momentum.cycle_search import Found, search
 from rrrobot.momentum.extremes import LOADS as ALL_LOADS
 from rrrobot.momentum.extremes import extremes
+from rrrobot.momentum.heights import clearance
 from rrrobot.momentum.kernels import DECOUPLED, LIFT_OFF, NOT_FINITE, OK, TURNS_OVER
 from rrrobot.momentum.newton import Chart
+from rrrobot.momentum.vertical import pitch_of
 from rrrobot.orbits.section import section_of
 from rrrobot.rotations import turns_over
 
@@ -33,6 +36,7 @@ _SLOWEST = 1.0 - 1e-6
 """Largest |multiplier| that counts as stable; differences of the map are good to 1e-7."""
 _STATUS, _VARIATION = RESULT.index("status"), RESULT.index("variation")
 _YAW_RATE = RESULT.index("yaw_rate")
+_PITCH, _CLEARANCE = RESULT.index("pitch"), RESULT.index("clearance")
 __all__ = ["NO_ORBIT", "UNSTABLE", "Orbits", "orbit_states", "orbits_of"]
 
 
@@ -56,10 +60,10 @@ class Orbits(NamedTuple):
 
 def orbit_states(
     setting: Setting,
-    gaits: Gaits,
+    gaits: GaitBatch,
     *,
     steps_per_cycle: int,
-    yaw_amplitude: Array | None = None,
+    yaw: GaitBatch | None = None,
     loads: bool = False,
 ) -> Array:
     """Steady states of many gaits by their limit cycles (n, columns), as `steady_states` has them.
@@ -68,8 +72,7 @@ def orbit_states(
     found does not hold, so that the gait settles to something else, or never; NO_ORBIT: none was
     found.
     """
-    yaw = None if yaw_amplitude is None else fourier(gaits._replace(amplitude=yaw_amplitude))
-    out = orbits_of(setting, fourier(gaits), steps_per_cycle, yaw=yaw, loads=loads).results
+    out = orbits_of(setting, gaits, steps_per_cycle, yaw=yaw, loads=loads).results
     jumping = np.flatnonzero(out[:, _STATUS] == LIFT_OFF)
     out[np.ix_(jumping, np.arange(out.shape[1]) != _STATUS)] = np.nan
     return out
@@ -77,10 +80,10 @@ def orbit_states(
 
 def orbits_of(
     setting: Setting,
-    gaits: FourierGaits,
+    gaits: GaitBatch,
     steps: int,
     *,
-    yaw: FourierGaits | None = None,
+    yaw: GaitBatch | None = None,
     loads: bool = False,
     stability: bool = True,
     near: Orbits | None = None,
@@ -106,16 +109,15 @@ def orbits_of(
     )  # fmt: skip
     steps *= setting.fineness
     moves = setting.axis != DECOUPLED
-    n = len(gaits.offset)
+    n = gaits.n
     start = None
     if near is not None and near.results[0, _STATUS] in (OK, LIFT_OFF):
         start = np.repeat(near.point, n, axis=0), np.repeat(near.slope, n, axis=0)
 
-    def searched(some: FourierGaits, own: FourierGaits | None, again: bool) -> tuple[Found, Array]:
+    def searched(some: GaitBatch, own: GaitBatch | None, again: bool) -> tuple[Found, Array]:
         found = search(
             setting, chart, some, steps, yaw=own, start=None if again else start,
             settling=SETTLING * again, most=_MOST_AGAIN if again else _MOST, slopes=stability,
-            motion=moves,
         )  # fmt: skip
         largest = _largest(found) if stability else np.full(len(found.point), np.nan)
         if stability:
@@ -132,7 +134,7 @@ def orbits_of(
     again = np.flatnonzero(np.isin(found.results[:, _STATUS], (UNSTABLE, NO_ORBIT, NOT_FINITE)))
     if again.size:
         spent = found.periods[again]
-        more, size = searched(_some(gaits, again), None if yaw is None else _some(yaw, again), True)
+        more, size = searched(gaits.rows(again), None if yaw is None else yaw.rows(again), True)
         more.periods[:] += spent
         found.periods[again] = more.periods
         # One that was found and does not hold says more than none.
@@ -142,16 +144,14 @@ def orbits_of(
             if len(whole):
                 whole[again[better]] = part[better]
     results = found.results
+    results[:, _PITCH] = pitch_of(results[:, _PITCH])
+    results[:, _CLEARANCE] = clearance(setting, gaits, np.nan_to_num(found.motion))
     failed = np.flatnonzero(~np.isin(results[:, _STATUS], (OK, LIFT_OFF)))
     kept = np.isin(np.arange(results.shape[1]), (_STATUS, _VARIATION))
     results[np.ix_(failed, ~kept)] = np.nan
     if loads:
         results = np.column_stack((results, _loads(setting, gaits, found.motion, failed)))
     return Orbits(results, largest, found.point, found.slope, found.periods, found.motion)
-
-
-def _some(gaits: FourierGaits, here: NDArray[np.int64]) -> FourierGaits:
-    return FourierGaits(*(part[here] for part in gaits))
 
 
 def _largest(found: Found) -> Array:
@@ -163,13 +163,10 @@ def _largest(found: Found) -> Array:
     return out
 
 
-def _loads(
-    setting: Setting, gaits: FourierGaits, motion: Array, failed: NDArray[np.int64]
-) -> Array:
+def _loads(setting: Setting, gaits: GaitBatch, motion: Array, failed: NDArray[np.int64]) -> Array:
     if setting.axis == DECOUPLED:
-        return np.full((len(gaits.offset), len(LOADS)), np.nan)
+        return np.full((gaits.n, len(LOADS)), np.nan)
     chosen = [ALL_LOADS.index(name) for name in LOADS]
-    whole = FourierGaits(*(np.ascontiguousarray(part) for part in gaits))
-    out = extremes(setting, whole, np.ascontiguousarray(np.nan_to_num(motion)))[:, chosen]
+    out = extremes(setting, gaits, np.ascontiguousarray(np.nan_to_num(motion)))[:, chosen]
     out[failed] = np.nan
     return np.asarray(out)

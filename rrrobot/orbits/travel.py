@@ -29,9 +29,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite, vector
-from rrrobot.drive.gaits import FourierGait, Gait, SinusoidalGait
+from rrrobot.drive.gaits import Gait, GaitBatch, SinusoidalGait
 from rrrobot.errors import GaitError, OrbitError
-from rrrobot.momentum.batch import RESULT, FourierGaits
+from rrrobot.momentum.batch import RESULT
 from rrrobot.momentum.kernels import OK
 from rrrobot.orbits.found import LONGEST_STEP, setting_for
 from rrrobot.orbits.many import orbits_of
@@ -137,9 +137,10 @@ def travel_form(model: Any, *, offset: ArrayLike, angular_frequency: float) -> T
     pairs = [(i, j) for i in range(n) for j in range(i, n)]
     units = np.array([np.eye(n)[i] + (i != j) * np.eye(n)[j] for i, j in pairs])
     u = np.concatenate((SMALL * units, 2 * SMALL * units))
-    gaits = FourierGaits(
-        np.tile(centre, (len(u), 1)), u[:, None, :legs], u[:, None, legs:], np.full(len(u), omega)
-    )
+    gaits = GaitBatch(
+        np.tile(centre, (len(u), 1)), np.zeros((len(u), legs)), u[:, None, :legs],
+        u[:, None, legs:], np.full(len(u), omega),
+    )  # fmt: skip
     steps = max(_STEPS, int(np.ceil(2 * np.pi / omega / LONGEST_STEP)))
     found = orbits_of(setting_for(model), gaits, steps).results
     if np.any(found[:, -1] != OK):
@@ -161,19 +162,14 @@ def travel_form(model: Any, *, offset: ArrayLike, angular_frequency: float) -> T
 
 
 def _first_harmonic(gait: Gait, offset: Array, omega: float) -> tuple[Array, Array]:
-    if isinstance(gait, SinusoidalGait):
-        frequency, centre = gait.angular_frequency, gait.offset
-        sine, cosine = gait.amplitude * np.cos(gait.phase), gait.amplitude * np.sin(gait.phase)
-    elif isinstance(gait, FourierGait) and not np.any(gait.cosine[1:]) | np.any(gait.sine[1:]):
-        frequency, centre = np.array([gait.angular_frequency]), gait.offset
-        sine, cosine = gait.sine[0], gait.cosine[0]
-    else:
+    found = gait.harmonics()
+    if np.any(found.sine[1:]) or np.any(found.cosine[1:]) or np.any(found.winding):
         raise GaitError("travel to second order is of gaits with one harmonic: sinusoidal ones.")
+    frequency, centre = found.angular_frequency, found.offset
     same = np.allclose(frequency, omega, rtol=1e-9) and np.shape(centre) == offset.shape
     if not same or not np.allclose(centre, offset, rtol=0, atol=1e-9):
         raise GaitError(
-            f"the gait has offset {np.asarray(centre).tolist()} rad and "
-            f"{np.asarray(frequency).tolist()} rad/s; this form is of {offset.tolist()} rad and "
-            f"{omega:g} rad/s: make another with travel_form."
+            f"the gait has offset {centre.tolist()} rad and {frequency:g} rad/s; this form is of "
+            f"{offset.tolist()} rad and {omega:g} rad/s: make another with travel_form."
         )
-    return sine, cosine
+    return found.sine[0], found.cosine[0]

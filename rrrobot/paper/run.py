@@ -5,13 +5,12 @@ from __future__ import annotations
 import hashlib
 import json
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from difflib import get_close_matches
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from rrrobot.checks import told
 from rrrobot.errors import OutputError, ParameterError, RRRobotError
 from rrrobot.files import make_folder, read_json, write_whole
 from rrrobot.paper.claims import CLAIMS
@@ -23,14 +22,12 @@ from rrrobot.paper.report import About, Section, markdown, page
 from rrrobot.paper.schematics import SCHEMATICS
 from rrrobot.paper.tables import TABLES
 from rrrobot.paper.workshop import Workshop
+from rrrobot.progress import Progress, progress_of
 
 _FIGURES = sorted((*SCHEMATICS, *PATHS, *PLANES), key=lambda item: int(item.key[3:]))
 ITEMS: tuple[Item, ...] = (*TABLES, *_FIGURES, *CLAIMS, *ERRATA)
 """All of the paper, in the order of the report."""
 _PACKAGES = ("rrrobot", "pin", "numpy", "scipy", "numba", "matplotlib")
-
-Progress = Callable[[str, int, int], None]
-"""Called with an item's key before it is made, how many are done, and how many there are."""
 
 
 class Reproduction(NamedTuple):
@@ -53,7 +50,7 @@ def reproduce(
     only: Sequence[str] | str | None = None,
     quick: bool = False,
     resume: bool = True,
-    progress: Progress | None = None,
+    progress: Progress = False,
 ) -> Reproduction:
     """Make the paper's tables, figures and claims anew, and a report that sets them beside it.
 
@@ -66,7 +63,7 @@ def reproduce(
             holds these and what is finished already.
         quick: coarse grids for the maps, and the momentum method.
         resume: False: make what is finished anew.
-        progress: called as each item begins.
+        progress: see `rrrobot.progress`; in items.
 
     Returns:
         the sections and the report.
@@ -93,12 +90,15 @@ def reproduce(
     finished = {item.key: found for item in ITEMS if (found := _finished(folder, item, mark))}
     kept = [item.key for item in chosen if item.key in finished] if resume else []
     shop = Workshop(quick=quick)
-    tell = told(progress) or (lambda key, done, total: None)
     todo = [item for item in chosen if item.key not in kept]
     try:
-        for i, item in enumerate(todo):
-            tell(item.key, i, len(todo))
-            finished[item.key] = _make(item, shop, folder, mark)
+        with progress_of(progress, "items", len(todo), "items") as tell:
+            for i, item in enumerate(todo):
+                if tell is not None:
+                    tell(i, item.key)
+                finished[item.key] = _make(item, shop, folder, mark)
+            if tell is not None:
+                tell(len(todo))
     except KeyboardInterrupt:
         _report(folder, finished, quick)
         done = sum(item.key in finished for item in chosen)

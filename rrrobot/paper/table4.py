@@ -146,7 +146,8 @@ def table_4(
         >>> table.ratio("pivoting", "speed").round(2).tolist()
         [[1.01]]
     """
-    from rrrobot.momentum.batch import Gaits, decoupled_setting, lower, steady_states
+    from rrrobot.drive.gaits import GaitBatch
+    from rrrobot.momentum.batch import decoupled_setting, lower, steady_states
 
     rows = vector("offsets", offsets, np.size(offsets), "rad")
     columns = vector("phase_differences", phase_differences, np.size(phase_differences), "rad")
@@ -157,12 +158,9 @@ def table_4(
     swing = finite("amplitude", amplitude, "rad", above=0)
     omega = finite("angular_frequency", angular_frequency, "rad/s", above=0)
     offset, phase = (a.ravel() for a in np.meshgrid(rows, columns, indexing="ij"))
-    gaits = Gaits(
-        np.column_stack((offset, offset)),
-        np.full((offset.size, 2), swing),
-        np.column_stack((0 * phase, phase)),
-        np.full(offset.size, omega),
-    )
+    centre, phases = np.column_stack((offset, offset)), np.column_stack((0 * phase, phase))
+    frequency = np.full(offset.size, omega)
+    gaits = GaitBatch.sinusoidal(centre, np.full((offset.size, 2), swing), phases, frequency)
     single = decoupled_setting(robot)
     run = partial(
         steady_states, gaits=gaits, cycles=_CYCLES, counted=_COUNTED, steps_per_cycle=_STEPS
@@ -180,7 +178,8 @@ def table_4(
     )
     known = np.isfinite(amplitudes)
     modulated = np.where(known, amplitudes, swing)[:, None] * np.ones(2)
-    found["modulated"] = run(single, yaw_amplitude=modulated)
+    own = GaitBatch.sinusoidal(centre, modulated, phases, frequency)
+    found["modulated"] = run(single, yaw=own)
     found["modulated"][~known] = np.nan
     shape = (rows.size, columns.size)
     return Table4(

@@ -14,15 +14,16 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rrrobot.checks import Array, finite, told, vector
+from rrrobot.checks import Array, finite, vector
 from rrrobot.drive.gaits import Gait
 from rrrobot.drive.laws import Memory, MotionState, TorqueLaw
 from rrrobot.drive.torques import LegTorques
 from rrrobot.errors import GaitError, ModelError, ParameterError
-from rrrobot.integrate import ATOL, RTOL, Integration, Progress, Stepping, Watch, integrate
+from rrrobot.integrate import ATOL, RTOL, Integration, Stepping, Watch, integrate
 from rrrobot.models.base import Model
 from rrrobot.models.recombined import NEEDS_GAIT, DecoupledModels
 from rrrobot.models.terms import Dynamics, Placement
+from rrrobot.progress import Progress, Tell, progress_of
 from rrrobot.simulation.effort import Effort
 from rrrobot.simulation.events import Event, Hit, Lookout, Snapshot
 from rrrobot.simulation.memory import Recall, seen_at
@@ -165,7 +166,7 @@ class Flow:
         *,
         samples: ArrayLike | None = None,
         events: Sequence[Event] = (),
-        progress: Progress | None = None,
+        progress: Progress = False,
     ) -> Evolution:
         """Evolve a state from t0 to t1.
 
@@ -175,7 +176,7 @@ class Flow:
             state: of this model.
             samples: further times between them at which the state is wanted (n,) [s].
             events: to look for.
-            progress: called with the time after each step.
+            progress: see `rrrobot.progress`; in seconds from t0.
 
         Returns:
             the Evolution; `run.stop` says why it stopped early, if it did.
@@ -207,8 +208,10 @@ class Flow:
         state.require(self.model, torque_driven=torque_driven)
         recall = Recall(self.model, self.drive, state) if torque_driven else None
         track = Track(self.model, state.euler, times.size, recall)
-        effort = Effort(self, times, told(progress))
-        result, lane, hits = self._run(state, times, recall, track, tuple(events), effort)
+        with progress_of(progress, "simulating", end - start, "s") as tell:
+            told = None if tell is None else partial(_since, tell, start)
+            effort = Effort(self, times, told)
+            result, lane, hits = self._run(state, times, recall, track, tuple(events), effort)
         if recall is not None and (fault := recall.asked.ended()) is not None:
             raise GaitError(fault)
         n = len(result.states)
@@ -314,6 +317,10 @@ class Flow:
             return self.torque_driven(place, seen, quasi, recall.law, recall.now(y))
 
         return Snapshot(self.model, time, y[: self.size], solve)
+
+
+def _since(tell: Tell, start: float, now: float) -> None:
+    tell(now - start)
 
 
 def _start_velocity(

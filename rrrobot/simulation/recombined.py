@@ -10,9 +10,10 @@ from numpy.typing import ArrayLike
 
 from rrrobot.drive.gaits import Gait, LegMotion
 from rrrobot.errors import GaitError
-from rrrobot.integrate import Progress, sample_times
+from rrrobot.integrate import sample_times
 from rrrobot.models.recombined import NEEDS_GAIT, DecoupledModels
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
+from rrrobot.progress import Progress
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.evaluate import trajectory_of
 from rrrobot.simulation.flow import Flow
@@ -52,7 +53,7 @@ def decoupled(
     step: float | None = None,
     rtol: float | None = None,
     atol: float | None = None,
-    progress: Progress | None = None,
+    progress: Progress = False,
 ) -> Trajectory:
     """Simulate the single-axis models and superpose them into one rolling motion.
 

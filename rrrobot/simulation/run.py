@@ -16,8 +16,9 @@ from rrrobot.checks import Array
 from rrrobot.drive.gaits import Gait
 from rrrobot.drive.torques import LegTorques
 from rrrobot.errors import ModelError, ParameterError, SimulationError, SimulationInterrupted
-from rrrobot.integrate import ATOL, RTOL, Progress, sample_times
+from rrrobot.integrate import ATOL, RTOL, sample_times
 from rrrobot.models.base import Model
+from rrrobot.progress import Progress
 from rrrobot.rotations import euler_from_quaternion
 from rrrobot.simulation.evaluate import trajectory_of
 from rrrobot.simulation.events import Event
@@ -43,7 +44,7 @@ def simulate(
     atol: float | None = None,
     method: str = "kkt",
     events: Sequence[Event] = (),
-    progress: Progress | None = None,
+    progress: Progress = False,
 ) -> Trajectory:
     """Simulate a model whose legs follow a gait or are driven by torques.
 
@@ -68,7 +69,7 @@ def simulate(
             Forces and torques are Pinocchio's in either.
         events: to look for, such as `lift_off()`; those that are found are the trajectory's
             `events`. It ends at one that is terminal.
-        progress: called with the simulated time after each step.
+        progress: see `rrrobot.progress`; in simulated seconds.
 
     Returns:
         the Trajectory.
@@ -88,13 +89,7 @@ def simulate(
     """
     own = getattr(model, "machine", None)
     if own is not None:
-        if (
-            state is not None
-            or events
-            or step is not None
-            or method != "kkt"
-            or progress is not None
-        ):
+        if state is not None or events or step is not None or method != "kkt" or progress:
             raise ModelError(
                 "a machine takes no state, step, method, events or progress: see its simulate."
             )

@@ -8,12 +8,11 @@ from __future__ import annotations
 import warnings
 
 import numpy as np
-import pinocchio as pin
 
-from rrrobot.checks import Array
 from rrrobot.contact.ground import Plane
 from rrrobot.errors import GroundClearanceWarning, LimitWarning
 from rrrobot.robot.limits import beyond
+from rrrobot.simulation.heights import leg_heights
 from rrrobot.simulation.trajectory import Trajectory
 
 _MOST = 8
@@ -42,6 +41,8 @@ def watch(trajectory: Trajectory) -> None:
                 LimitWarning,
                 stacklevel=3,
             )
+    if not isinstance(trajectory.ground, Plane):
+        return
     height = leg_heights(trajectory)
     if height.size and float(height.min()) < -_FINE:
         i, k = np.unravel_index(int(np.argmin(height)), height.shape)
@@ -56,25 +57,3 @@ def watch(trajectory: Trajectory) -> None:
 
 def _names(trajectory: Trajectory) -> list[str]:
     return list(trajectory.robot.model.names)[2:]
-
-
-def leg_heights(trajectory: Trajectory) -> Array:
-    """Heights of the moving links' centres of mass over a plane ground (n, links) [m].
-
-    Links without mass are at infinity; so are all on a ground that is no plane.
-    """
-    robot, ground = trajectory.robot, trajectory.ground
-    model = robot.model
-    links = range(2, model.njoints)
-    heights: Array = np.full((len(trajectory), len(links)), np.inf)
-    if not isinstance(ground, Plane):
-        return heights
-    data, normal = model.createData(), ground.normal(ground.point(np.zeros(2)))
-    masses = [model.inertias[joint].mass > 0 for joint in links]
-    for i, q in enumerate(trajectory.configuration):
-        pin.forwardKinematics(model, data, q)
-        for k, joint in enumerate(links):
-            if masses[k]:
-                place = data.oMi[joint]
-                heights[i, k] = normal @ place.act(model.inertias[joint].lever)
-    return heights

@@ -17,10 +17,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rrrobot.checks import Array, finite, told, vector
+from rrrobot.checks import Array, finite, vector
 from rrrobot.drive.schedule import Schedule
 from rrrobot.errors import ParameterError
 from rrrobot.models.base import Model
+from rrrobot.progress import Progress, checked_progress, progress_of
 from rrrobot.steering.arcs import move
 from rrrobot.steering.gears import Drive, Gear
 from rrrobot.steering.motions import motions_of
@@ -153,7 +154,7 @@ def follow(
     rest: ArrayLike | None = None,
     sensor: Sensor | None = None,
     store: bool = True,
-    progress: Any = None,
+    progress: Progress = False,
 ) -> Following:
     """Follow a path, steering once in each leg cycle from the measured mean pose.
 
@@ -168,7 +169,7 @@ def follow(
         amplitude, angular_frequency, rest: as for `plan`.
         sensor: noise and delay of the measured pose; none unless given.
         store: whether the map of motions is kept in the user's cache folder.
-        progress: called with the time after each cycle.
+        progress: see `rrrobot.progress`; in simulated seconds.
 
     Returns:
         the Following. Where measurements stop or jump, the legs come to rest smoothly and its
@@ -187,7 +188,7 @@ def follow(
         (True, None)
     """
     finite("duration", duration, "s", above=0)
-    tell = told(progress)
+    checked_progress(progress)
     if gear not in STEERED:
         raise ParameterError(f"gear is {gear!r}: a path is followed in {' or '.join(STEERED)}.")
     seer = Sensor() if sensor is None else sensor
@@ -210,24 +211,25 @@ def follow(
     known = _Estimate(begin)
     along, stopped, period = first.along if start is None else None, None, robot.period
     cycles = int(np.ceil(duration / period))
-    for number in range(cycles):
-        known.see(robot.seen, seer.delay, period)
-        if known.missed >= _PATIENCE:
-            stopped = (
-                f"no measurement that makes sense for {known.missed} cycles, at "
-                f"{number * period:.4g} s: the pose is missing, or more than {_JUMP:g} m from "
-                "where the robot can be"
-            )
-            break
-        near = track.nearest(known.pose[:2], along)
-        along = near.along
-        if not track.closed and track.length - along < 0.5 * fast * period:
-            break
-        drive = _steer(known, near, box, fast)
-        robot.cycle(drive.offset, drive.amplitude, drive.phase_difference)
-        known.go(drive, period)
-        if tell is not None:
-            tell((number + 1) * period)
+    with progress_of(progress, "following", duration, "s") as tell:
+        for number in range(cycles):
+            known.see(robot.seen, seer.delay, period)
+            if known.missed >= _PATIENCE:
+                stopped = (
+                    f"no measurement that makes sense for {known.missed} cycles, at "
+                    f"{number * period:.4g} s: the pose is missing, or more than {_JUMP:g} m from "
+                    "where the robot can be"
+                )
+                break
+            near = track.nearest(known.pose[:2], along)
+            along = near.along
+            if not track.closed and track.length - along < 0.5 * fast * period:
+                break
+            drive = _steer(known, near, box, fast)
+            robot.cycle(drive.offset, drive.amplitude, drive.phase_difference)
+            known.go(drive, period)
+            if tell is not None:
+                tell(min((number + 1) * period, duration))
     driven = len(robot.means)
     robot.stand()
     for _ in range(int(np.ceil(robot.settling / period))):

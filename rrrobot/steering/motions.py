@@ -23,6 +23,7 @@ from rrrobot.files import write_whole
 from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
 from rrrobot.models.recombined import DecoupledModels
+from rrrobot.progress import Progress
 from rrrobot.studies.modulation import amplitude_modulation, filled
 from rrrobot.studies.sweeps.run import sweep
 
@@ -61,7 +62,7 @@ def motions_of(
     angular_frequency: float = 8.0,
     decoupled: bool = False,
     store: bool = True,
-    progress: Any = None,
+    progress: Progress = None,
 ) -> Motions:
     """Settled motions over offsets of 0 to pi, all phase differences, and two amplitudes.
 

@@ -11,7 +11,6 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -21,6 +20,7 @@ from rrrobot.drive.schedule import Schedule, stretch
 from rrrobot.errors import ModelError, ParameterError, PlanError
 from rrrobot.models.base import Model
 from rrrobot.models.recombined import DecoupledModels
+from rrrobot.progress import Progress
 from rrrobot.steering.arcs import joined, path
 from rrrobot.steering.lattice import around
 from rrrobot.steering.motions import Motions, corners, motions_of
@@ -53,7 +53,7 @@ def plan(
     on: str = "full",
     motions: Motions | None = None,
     store: bool = True,
-    progress: Any = None,
+    progress: Progress = None,
 ) -> Plan:
     """Leg motions that bring a robot from rest at a pose to rest at another.
 

@@ -16,6 +16,7 @@ from rrrobot.files import read_json, write_whole
 from rrrobot.inline import html_table
 from rrrobot.models import model_from_dict
 from rrrobot.models.base import Model
+from rrrobot.progress import Progress
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.trajectory import Trajectory
@@ -75,7 +76,7 @@ class Plan:
         *,
         method: str = "kkt",
         sample_interval: float = 0.02,
-        progress: Any = None,
+        progress: Progress = False,
     ) -> Trajectory:
         """Simulate it from rest on the model it was planned for, or on another.
 

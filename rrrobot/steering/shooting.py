@@ -55,8 +55,8 @@ def final_poses(
         tail: time after the longest schedule [s].
     """
     from rrrobot.momentum.batch import march, stage_times
+    from rrrobot.momentum.kernels import ROWS_PER_STEP
     from rrrobot.momentum.lowering import decoupled_setting, lower
-    from rrrobot.momentum.summary import ROWS_PER_STEP
 
     n, yaw_schedules = len(schedules), None
     if isinstance(model, Apart):

@@ -18,3 +18,5 @@ from rrrobot.studies.robots import best_robot as best_robot
 from rrrobot.studies.robots import robots_of as robots_of
 from rrrobot.studies.robots import sweep_robots as sweep_robots
 from rrrobot.studies.sweeps.run import sweep as sweep
+from rrrobot.studies.sweeps.saved import load_sweep as load_sweep
+from rrrobot.studies.sweeps.saved import model_of as model_of

@@ -6,19 +6,19 @@ model drifts as fast as the full model.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from rrrobot.checks import finite, told
+from rrrobot.checks import finite
 from rrrobot.drive.gaits import Gait, SinusoidalGait
 from rrrobot.errors import GaitError, ModelError
 from rrrobot.inline import html_table
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import YawModel
+from rrrobot.progress import Progress, Tell, progress_of
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.recombined import decoupled
 from rrrobot.simulation.run import simulate
@@ -91,7 +91,7 @@ def compare(
     sample_interval: float = 0.01,
     *,
     method: str = "kkt",
-    progress: Callable[[str], None] | None = None,
+    progress: Progress = False,
 ) -> Comparison:
     """Simulate the full, pivoting and decoupled models on a gait, each with the paper's damping.
 
@@ -101,7 +101,7 @@ def compare(
         duration: [s]; the steady state is measured over its second half.
         sample_interval: [s].
         method: of the full and the pivoting model, as for `simulate`.
-        progress: called with the name of each model as it starts.
+        progress: see `rrrobot.progress`; in models.
 
     Raises:
         GaitError: the gait has no period.
@@ -114,14 +114,29 @@ def compare(
     """
     if gait.period is None:
         raise GaitError("the gait has no period, so the models have no steady state to compare.")
-    tell = told(progress) or (lambda name: None)
+    with progress_of(progress, "simulating", len(MODELS), "models") as tell:
+        runs, factor = _simulated(robot, gait, duration, sample_interval, method, tell)
+    states = {name: run.steady_state() for name, run in runs.items()}
+    return Comparison(gait=gait, trajectories=runs, states=states, yaw_amplitude_factor=factor)
+
+
+def _simulated(
+    robot: Robot,
+    gait: Gait,
+    duration: float,
+    sample_interval: float,
+    method: str,
+    tell: Tell | None,
+) -> tuple[dict[str, Trajectory], float | None]:
+    """The trajectories by model, and the factor of the modulated yaw model."""
+    tell = tell or (lambda done, part="": None)
     runs: dict[str, Trajectory] = {}
-    tell("full")
+    tell(0, "full")
     runs["full"] = simulate(FullModel(robot), gait, duration, sample_interval, method=method)
-    tell("pivoting")
+    tell(1, "pivoting")
     pivoting = PivotingModel(robot)
     runs["pivoting"] = simulate(pivoting, gait, duration, sample_interval, method=method)
-    tell("decoupled")
+    tell(2, "decoupled")
     runs["decoupled"] = decoupled(robot, gait, duration, sample_interval)
     factor = None
     target = runs["full"].steady_state().yaw_rate
@@ -131,11 +146,11 @@ def compare(
         except ModelError:
             factor = None
     if factor is not None:
-        tell("modulated")
+        tell(3, "modulated")
         yaw_gait = scaled(gait, factor)  # type: ignore[arg-type]
         runs["modulated"] = decoupled(robot, gait, duration, sample_interval, yaw_gait=yaw_gait)
-    states = {name: run.steady_state() for name, run in runs.items()}
-    return Comparison(gait=gait, trajectories=runs, states=states, yaw_amplitude_factor=factor)
+    tell(4)
+    return runs, factor
 
 
 def yaw_drift(robot: Robot, gait: Gait) -> float:

@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike
 from rrrobot.checks import vector
 from rrrobot.errors import OutputError, ParameterError
 from rrrobot.files import check_writable, write_whole
-from rrrobot.integrate import Progress
 from rrrobot.machines.history import History
+from rrrobot.progress import Progress, progress_of
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.view.film import make_film
 from rrrobot.view.frames import animation, checked_size, film_times, frames, strip, video
@@ -39,7 +39,7 @@ def record(
     camera: ArrayLike | None = None,
     caption: bool | str = True,
     at: ArrayLike | None = None,
-    progress: Progress | None = None,
+    progress: Progress = False,
 ) -> Path:
     """Write a trajectory as a film, or as a picture of it; the file's suffix says which.
 
@@ -62,7 +62,7 @@ def record(
             given.
         caption: the text at the bottom; True says robot, model, duration and grid.
         at: times of a .png [s], one or several side by side; the end unless given.
-        progress: called with the film's time after each frame.
+        progress: see `rrrobot.progress`; in seconds of the film.
 
     Returns:
         the path.
@@ -101,11 +101,12 @@ def record(
     if kind in (".html", ".htm"):
         return write_whole(target, page)
     duration = float(trajectory.time[-1] - trajectory.time[0])
-    if instants is not None:
-        late = [(t - float(trajectory.time[0])) / speed for t in instants]
-        return write_whole(target, strip(frames(page, pixels, late, progress=progress)))
-    pictures = frames(page, pixels, film_times(duration / speed, fps), progress=progress)
-    content = video(pictures, pixels, fps) if kind == ".mp4" else animation(pictures, fps)
+    with progress_of(progress, "drawing", duration / speed, "s") as tell:
+        if instants is not None:
+            late = [(t - float(trajectory.time[0])) / speed for t in instants]
+            return write_whole(target, strip(frames(page, pixels, late, progress=tell)))
+        pictures = frames(page, pixels, film_times(duration / speed, fps), progress=tell)
+        content = video(pictures, pixels, fps) if kind == ".mp4" else animation(pictures, fps)
     return write_whole(target, content)
 
 

@@ -5,7 +5,8 @@ A gait is called with a time or an array of times and answers the legs' angles [
 dynamics exact; a gait of your own is checked against finite differences.
 """
 
-from rrrobot.drive.gaits.base import Gait, LegMotion
+from rrrobot.drive.gaits.base import Gait, Harmonics, LegMotion
+from rrrobot.drive.gaits.batch import GaitBatch
 from rrrobot.drive.gaits.fourier import FourierGait
 from rrrobot.drive.gaits.own import CallableGait
 from rrrobot.drive.gaits.rest import RampIn, StillLegs
@@ -15,6 +16,8 @@ __all__ = [
     "CallableGait",
     "FourierGait",
     "Gait",
+    "GaitBatch",
+    "Harmonics",
     "LegMotion",
     "RampIn",
     "SinusoidalGait",

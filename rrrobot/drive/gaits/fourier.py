@@ -1,4 +1,4 @@
-"""Legs that swing in sums of harmonics, and turn whole turns."""
+"""Legs that swing in sums of harmonics, and go round in whole turns."""
 
 from __future__ import annotations
 
@@ -9,22 +9,26 @@ from numpy.typing import ArrayLike
 
 from rrrobot import serial
 from rrrobot.checks import Array, finite, vector
-from rrrobot.drive.gaits.base import Gait, LegMotion
+from rrrobot.drive.gaits.base import Gait, Harmonics, LegMotion, check_turns
 from rrrobot.errors import GaitError
 
 
 @serial.register("fourier")
 class FourierGait(Gait):
-    """phi_k(t) = offset_k + sum over j of cosine_jk cos(j omega t) + sine_jk sin(j omega t).
+    """phi_k(t) = offset_k + winding_k omega t
+                + sum over j of cosine_jk cos(j omega t) + sine_jk sin(j omega t).
 
     Args:
         offset: mean angle of each leg (legs,) [rad].
         cosine: coefficients of harmonics j = 1, 2, ... (harmonics, legs) [rad].
         sine: likewise.
         angular_frequency: omega of the first harmonic, greater than zero [rad/s].
+        winding: whole turns of each leg in a period, or one number for all: legs that go round
+            and round. With no harmonics they do so at a constant rate.
 
     Raises:
-        GaitError: shapes that do not match, entries that are not finite, omega <= 0.
+        GaitError: shapes that do not match, entries that are not finite, omega <= 0, turns that
+            are not whole.
 
     Example:
         >>> import rrrobot as rr
@@ -32,6 +36,10 @@ class FourierGait(Gait):
         ...                       angular_frequency=8.0)
         >>> gait(0.0).angle.tolist()
         [1.57, 1.87]
+        >>> paddle = rr.FourierGait(offset=(0, 3), cosine=[[0, 0]], sine=[[0, 0]],
+        ...                         angular_frequency=2.0, winding=(1, -1))
+        >>> paddle(0.0).rate.tolist()
+        [2.0, -2.0]
     """
 
     def __init__(
@@ -41,6 +49,7 @@ class FourierGait(Gait):
         cosine: ArrayLike,
         sine: ArrayLike,
         angular_frequency: float,
+        winding: ArrayLike = 0,
     ) -> None:
         self.offset = vector("offset", offset, np.size(offset), error=GaitError)
         self.n_legs = self.offset.size
@@ -56,6 +65,8 @@ class FourierGait(Gait):
                 f"cosine has shape {self.cosine.shape} and sine {self.sine.shape}: both must be "
                 "(harmonics, legs)."
             )
+        self.winding = vector("winding", winding, self.n_legs, broadcast=True, error=GaitError)
+        check_turns("winding", self.winding)
         self.period = 2 * np.pi / self.angular_frequency
         self._omega = self.angular_frequency * np.arange(1, len(self.cosine) + 1)
 
@@ -75,9 +86,10 @@ class FourierGait(Gait):
         angle = np.multiply.outer(time, self._omega)
         c, s, w = np.cos(angle), np.sin(angle), self._omega[:, None]
         a, b = self.cosine, self.sine
+        turning = self.winding * self.angular_frequency
         return LegMotion(
-            self.offset + c @ a + s @ b,
-            c @ (w * b) - s @ (w * a),
+            self.offset + np.multiply.outer(time, turning) + c @ a + s @ b,
+            turning + c @ (w * b) - s @ (w * a),
             -(c @ (w * w * a) + s @ (w * w * b)),
         )
 
@@ -88,4 +100,8 @@ class FourierGait(Gait):
             "cosine": self.cosine.tolist(),
             "sine": self.sine.tolist(),
             "angular_frequency": self.angular_frequency,
+            "winding": self.winding.tolist(),
         }
+
+    def harmonics(self) -> Harmonics:
+        return Harmonics(self.offset, self.winding, self.sine, self.cosine, self.angular_frequency)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,7 @@ from numpy.typing import ArrayLike
 
 from rrrobot import serial
 from rrrobot.checks import Array
-from rrrobot.drive.gaits.base import Gait, LegMotion, broadcast_legs
+from rrrobot.drive.gaits.base import Gait, Harmonics, LegMotion, broadcast_legs
 from rrrobot.errors import GaitError
 
 _LARGEST = 1e6
@@ -83,6 +84,21 @@ class SinusoidalGait(Gait):
     def to_dict(self) -> dict[str, Any]:
         keys = ("offset", "amplitude", "angular_frequency", "phase")
         return {"type": "sinusoidal"} | {key: getattr(self, key).tolist() for key in keys}
+
+    def harmonics(self) -> Harmonics:
+        if self.period is None:
+            raise GaitError(
+                f"the frequencies {self.angular_frequency.tolist()} rad/s have no common period, "
+                "so no cycle of the gait can be swept or optimised."
+            )
+        base = 2 * np.pi / self.period
+        if np.ptp(self.angular_frequency) == 0.0:
+            base = float(self.angular_frequency[0])
+        order = np.round(self.angular_frequency / base).astype(int)
+        sine, cosine = np.zeros((2, order.max(), self.n_legs))
+        for leg, (k, a, phase) in enumerate(zip(order, self.amplitude, self.phase, strict=True)):
+            sine[k - 1, leg], cosine[k - 1, leg] = a * math.cos(phase), a * math.sin(phase)
+        return Harmonics(self.offset, np.zeros(self.n_legs), sine, cosine, base)
 
     def __repr__(self) -> str:
         return (

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from rrrobot import serial
 from rrrobot.checks import Array, finite
 from rrrobot.errors import ParameterError
 from rrrobot.studies.optimisation.table import Table
@@ -43,6 +44,7 @@ class Goal(ABC):
         return {"type": self.name} | {f.name: getattr(self, f.name) for f in fields(self)}  # type: ignore[arg-type]
 
 
+@serial.register("fastest")
 @dataclass(frozen=True, kw_only=True)
 class FastestTravel(Goal):
     """Largest speed; `GaitLimits(max_curvature=...)` keeps the path straight.
@@ -64,6 +66,7 @@ class FastestTravel(Goal):
         return -table.speed
 
 
+@serial.register("tightest")
 @dataclass(frozen=True, kw_only=True)
 class TightestTurn(Goal):
     """Largest |curvature| of the path among gaits of at least a speed.
@@ -96,6 +99,7 @@ class TightestTurn(Goal):
 COSTS = {"effort": "N^2 m s", "torque": "N s", "work": "J/m"}
 
 
+@serial.register("efficient")
 @dataclass(frozen=True, kw_only=True)
 class LeastEffort(Goal):
     """Least cost of a metre of travel, among gaits of at least a speed.
@@ -135,6 +139,7 @@ class LeastEffort(Goal):
 RATES = {"torque": "N m", "power": "W"}
 
 
+@serial.register("rate")
 @dataclass(frozen=True, kw_only=True)
 class LeastRate(Goal):
     """Least rms motor torque or mean |power| among gaits of at least a speed: a point of a front.
@@ -161,10 +166,16 @@ class LeastRate(Goal):
         """Of the rate."""
         return RATES[self.rate]
 
+    @property
+    def column(self) -> str:
+        """Name of the result that is the rate."""
+        return "rms_torque" if self.rate == "torque" else "power"
+
     def value(self, table: Table) -> Array:
-        return table.rms_torque if self.rate == "torque" else table.power
+        return np.asarray(getattr(table, self.column))
 
 
+@serial.register("target")
 @dataclass(frozen=True, kw_only=True)
 class TargetMotion(Goal):
     """A wanted speed with a wanted curvature or yaw rate, at the least rms torque.

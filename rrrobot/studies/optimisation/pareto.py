@@ -10,25 +10,28 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rrrobot.checks import Array
+from rrrobot.checks import Array, whole
 from rrrobot.drive.gaits import FourierGait, SinusoidalGait
 from rrrobot.errors import GaitError, ParameterError
 from rrrobot.inline import html_table
 from rrrobot.models.base import Model
+from rrrobot.progress import Progress, progress_of
+from rrrobot.results import names
 from rrrobot.studies.optimisation.goals import FastestTravel, LeastRate
 from rrrobot.studies.optimisation.result import confirm
-from rrrobot.studies.optimisation.run import check_whole, discrepancy, legs_of, prepare, weight_of
+from rrrobot.studies.optimisation.run import discrepancy, legs_of, prepare, weight_of
+from rrrobot.studies.optimisation.saved import read_result, write_result
 from rrrobot.studies.optimisation.search import polish, search
 from rrrobot.studies.optimisation.space import Space, swing_of
-from rrrobot.studies.optimisation.table import COLUMNS, GaitLimits, file_limits
+from rrrobot.studies.optimisation.table import GaitLimits, file_limits
 from rrrobot.studies.optimisation.task import (
     Evaluator,
-    Progress,
     Spent,
     Task,
     best_point,
@@ -49,12 +52,13 @@ class ParetoFront:
         cost: rms motor torque [N m], or mean of the sum of |torque x rate| [W] (n,).
         cost_name: "torque" or "power".
         gaits: n gaits.
-        columns: all results by column of `COLUMNS`, each (n,).
+        columns: every result by name (`rrrobot.results`), each (n,).
         tried: (speed, cost) of every valid gait of the search (m, 2).
         discrepancy: largest relative difference to the KKT model, of three gaits of the front.
         limits: what all of them respect.
         evaluations: gaits that were simulated.
         search: bounds, seed, budget and settle time.
+        model: whose gaits they are.
 
     Example:
         >>> import rrrobot as rr
@@ -74,6 +78,7 @@ class ParetoFront:
     limits: GaitLimits
     evaluations: int
     search: Mapping[str, Any] = field(repr=False)
+    model: Model = field(repr=False)
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the gaits that lost as plain data."""
@@ -82,14 +87,49 @@ class ParetoFront:
             "unit": LeastRate(rate=self.cost_name).unit,
             "points": [
                 {"gait": gait.to_dict()}
-                | {name: float(column[i]) for name, column in self.columns.items()}
+                | {
+                    name: float(column[i]) if np.isfinite(column[i]) else None
+                    for name, column in self.columns.items()
+                }
                 for i, gait in enumerate(self.gaits)
             ],
             "discrepancy": self.discrepancy,
             "limits": self.limits.to_dict(),
             "evaluations": self.evaluations,
             "search": dict(self.search),
+            "model": self.model.to_dict(),
+            "robot": self.model.robot.to_dict(),
         }
+
+    def save(self, path: str | Path) -> Path:
+        """Write the front, without the gaits that lost, to a .json file.
+
+        Raises:
+            OutputError: the file cannot be written, or its name does not end in .json.
+        """
+        return write_result(path, self.to_dict())
+
+    @classmethod
+    def load(cls, path: str | Path) -> ParetoFront:
+        """Read what `save`, or `rrrobot optimise --out`, wrote; `tried` is then empty.
+
+        Raises:
+            OutputError: the file is missing, damaged, or of something else.
+        """
+        data = read_result(path)
+        rows = data["points"]
+        found = {
+            name: np.array([np.nan if row[name] is None else row[name] for row in rows])
+            for name in rows[0]
+            if name != "gait"
+        }
+        cost = LeastRate(rate=data["cost"])
+        return cls(
+            speed=found["speed"], cost=found[cost.column], cost_name=data["cost"],
+            gaits=tuple(data["gaits"]), columns=found, tried=np.zeros((0, 2)),
+            discrepancy=data["discrepancy"], limits=data["limits"],
+            evaluations=data["evaluations"], search=data["search"], model=data["model"],
+        )  # fmt: skip
 
     def __len__(self) -> int:
         return len(self.gaits)
@@ -118,15 +158,16 @@ def pareto_front(
     points: int = 16,
     offset: ArrayLike | None = None,
     amplitude: ArrayLike | None = None,
-    frequency: ArrayLike = (2.0, 14.0),
+    angular_frequency: ArrayLike = (2.0, 14.0),
     phase_difference: ArrayLike = (0.0, 2 * np.pi),
     harmonics: int = 1,
     tied: bool = False,
+    winding: ArrayLike = 0,
     limits: GaitLimits | None = None,
     settle_time: float = 25.0,
     budget: int | None = None,
     seed: int = 0,
-    progress: Progress | None = None,
+    progress: Progress = False,
 ) -> ParetoFront:
     """Speed against motor torque: for speeds up to the fastest, the gait that takes the least.
 
@@ -137,8 +178,8 @@ def pareto_front(
         points: equal steps of speed from zero, at least 2; the front has as many gaits unless one
             is the best for several.
         budget: gaits that may be simulated; 30 000 for each harmonic unless given.
-        offset, amplitude, frequency, phase_difference, harmonics, tied, limits, settle_time, seed,
-            progress: as for `optimise`.
+        offset, amplitude, angular_frequency, phase_difference, harmonics, tied, winding, limits,
+            settle_time, seed, progress: as for `optimise`.
 
     Raises:
         ParameterError, ModelError: as `optimise` raises.
@@ -147,23 +188,36 @@ def pareto_front(
     Example:
         >>> import rrrobot as rr
         >>> model = rr.FullModel(rr.Robot.from_parameters())
-        >>> front = rr.pareto_front(model, points=3, budget=400, settle_time=8.0, frequency=8.0)
+        >>> front = rr.pareto_front(
+        ...     model, points=3, budget=400, settle_time=8.0, angular_frequency=8.0
+        ... )
         >>> front.gaits[-1].n_legs
         2
     """
     limits = file_limits(model.robot.joints) if limits is None else limits
     budget = 30_000 * harmonics if budget is None else budget
     LeastRate(rate=cost)
-    check_whole("points", points, 2)
+    whole("points", points, at_least=2)
     space = Space(
         legs_of(model), **swing_of(model.robot.joints, offset, amplitude, tied=tied),
-        frequency=frequency, phase_difference=phase_difference, harmonics=harmonics, tied=tied,
+        angular_frequency=angular_frequency, phase_difference=phase_difference,
+        harmonics=harmonics, tied=tied, winding=winding,
     )  # fmt: skip
     if space.n == 0:
         raise ParameterError("every bound is one number: a front needs something to vary.")
-    evaluator = prepare(model, space, limits, settle_time, budget, seed, progress)
-    fastest = Task(FastestTravel(), limits, weight_of(model))
-    evaluator.allowed = int(_FOR_FASTEST * budget)
+    evaluator = prepare(model, space, limits, settle_time, budget, seed)
+    with progress_of(progress, "gaits", int(budget), "gaits") as evaluator.tell:
+        tasks = _searched(evaluator, limits, weight_of(model), cost, points, seed)
+    settings = {"settle_time": float(settle_time), "budget": int(budget), "seed": int(seed)}
+    return _front(model, evaluator, tasks, cost, settings)
+
+
+def _searched(
+    evaluator: Evaluator, limits: GaitLimits, weight: float, cost: str, points: int, seed: int
+) -> list[Task]:
+    """Find the fastest gait, then the least cost at each speed; the tasks of the front's points."""
+    fastest = Task(FastestTravel(), limits, weight)
+    evaluator.allowed = int(_FOR_FASTEST * evaluator.budget)
     search(evaluator, fastest, np.random.default_rng(seed))
     evaluator.allowed = evaluator.budget
     _, table = evaluator.archive()
@@ -176,8 +230,7 @@ def pareto_front(
     speeds = -scores.min() * np.arange(1, points + 1) / points * (1 - 1e-3)
     tasks = [fastest._replace(goal=LeastRate(rate=cost, min_speed=float(v))) for v in speeds]
     _descend(evaluator, tasks)
-    settings = {"settle_time": float(settle_time), "budget": int(budget), "seed": int(seed)}
-    return _front(model, evaluator, tasks, cost, settings)
+    return tasks
 
 
 def _descend(evaluator: Evaluator, tasks: list[Task]) -> None:
@@ -214,8 +267,7 @@ def _front(
         cost=goal.value(found),
         cost_name=cost,
         gaits=gaits,
-        columns={name: getattr(found, name) for name in COLUMNS if name != "status"}
-        | {"curvature": found.curvature},
+        columns={name: getattr(found, name) for name in names()},
         tried=np.column_stack((table.speed, goal.value(table)))[valid],
         discrepancy=max(
             discrepancy(
@@ -226,4 +278,5 @@ def _front(
         limits=limits,
         evaluations=evaluator.used,
         search=evaluator.space.to_dict() | settings,
+        model=model,
     )

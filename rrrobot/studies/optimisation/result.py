@@ -4,20 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 
 from rrrobot.checks import Array
-from rrrobot.drive.gaits import FourierGait, Gait, SinusoidalGait
+from rrrobot.drive.gaits import Gait
 from rrrobot.inline import html_table
 from rrrobot.models.base import Model
+from rrrobot.simulation.measures import measured
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.steady import SteadyState
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.studies.optimisation.goals import Goal
-from rrrobot.studies.optimisation.table import COLUMNS, GaitLimits, Table
+from rrrobot.studies.optimisation.saved import read_result, write_result
+from rrrobot.studies.optimisation.table import GaitLimits, Table, columns
 
 _SAMPLES = 48
 _CYCLES = 4
@@ -35,7 +37,8 @@ class OptimisedGait:
         met: whether all limits hold and a target is reached.
         shortfalls: what does not hold, in words; empty if `met`.
         steady_state: of the confirming simulation.
-        measured: by column of `COLUMNS`, over the last cycles of that simulation.
+        measured: every result by name (`rrrobot.results`), over the last cycles of that
+            simulation.
         discrepancy: largest relative difference of speed, yaw rate, torque and friction between
             the engine of the search and that simulation.
         lift_off_time: first sample at which the start, before it settles, lifts off [s]; or None.
@@ -47,13 +50,13 @@ class OptimisedGait:
     Example:
         >>> import rrrobot as rr
         >>> model = rr.FullModel(rr.Robot.from_parameters())
-        >>> best = rr.optimise(model, "fastest", offset=1.5708, amplitude=0.3, frequency=8.0,
-        ...                    budget=600)
+        >>> best = rr.optimise(model, "fastest", offset=1.5708, amplitude=0.3,
+        ...                    angular_frequency=8.0, budget=600)
         >>> best.met, round(1000 * best.value, 1)
         (True, 9.7)
     """
 
-    gait: SinusoidalGait | FourierGait
+    gait: Gait
     goal: Goal
     limits: GaitLimits
     value: float
@@ -81,7 +84,7 @@ class OptimisedGait:
             "met": self.met,
             "shortfalls": list(self.shortfalls),
             "steady_state": self.steady_state.to_dict(),
-            "measured": dict(self.measured),
+            "measured": {k: v if np.isfinite(v) else None for k, v in self.measured.items()},
             "discrepancy": self.discrepancy,
             "lift_off_time": self.lift_off_time,
             "limits": self.limits.to_dict(),
@@ -89,7 +92,36 @@ class OptimisedGait:
             "history": [[int(n), None if np.isnan(v) else float(v)] for n, v in self.history],
             "search": dict(self.search),
             "model": self.trajectory.metadata.get("model"),
+            "robot": self.trajectory.robot.to_dict(),
         }
+
+    def save(self, path: str | Path) -> Path:
+        """Write everything but the trajectory to a .json file, which `read_gait` reads too.
+
+        Raises:
+            OutputError: the file cannot be written, or its name does not end in .json.
+        """
+        return write_result(path, self.to_dict())
+
+    @classmethod
+    def load(cls, path: str | Path) -> OptimisedGait:
+        """Read what `save`, or `rrrobot optimise --out`, wrote; the gait is simulated anew.
+
+        Raises:
+            OutputError: the file is missing, damaged, or of something else.
+        """
+        data = read_result(path)
+        goal, gait = data["goal"], data["gait"]
+        trajectory, state, row = confirm(data["model"], gait, data["search"]["settle_time"])
+        history = [(n, np.nan if value is None else value) for n, value in data["history"]]
+        return cls(
+            gait=gait, goal=goal, limits=data["limits"], value=float(goal.value(row)[0]),
+            met=data["met"], shortfalls=tuple(data["shortfalls"]), steady_state=state,
+            measured=row.to_dict(), discrepancy=data["discrepancy"],
+            lift_off_time=trajectory.lift_off_time, evaluations=data["evaluations"],
+            history=np.array(history, dtype=float).reshape(-1, 2), search=data["search"],
+            trajectory=trajectory,
+        )  # fmt: skip
 
     def _repr_html_(self) -> str:
         rows = {
@@ -120,43 +152,8 @@ def confirm(model: Model, gait: Gait, settle_time: float) -> tuple[Trajectory, S
     t = simulate(model, gait, duration, period / _SAMPLES)
     state = t.steady_state(start=settled - 1e-9)
     last = slice(-2 * _SAMPLES, None)
-    torque, rate = t.leg_torque[last], t.leg_rate[last]
-    row = {
-        "speed": state.speed,
-        "yaw_rate": state.yaw_rate,
-        "variation": state.variation,
-        "pitch": float(np.abs(t.euler[:, 1]).max()),
-        "normal_force": float(t.normal_force[last].min()),
-        "friction": float(t.required_friction[last].max()) if t.has_contact else 0.0,
-        "rms_torque": float(np.sqrt((torque**2).sum(axis=1).mean())),
-        "peak_torque": float(np.abs(torque).max()),
-        "power": float(np.abs(torque * rate).sum(axis=1).mean()),
-        "clearance": _clearance(t, last),
-        "status": 0.0,
-    }
-    values = np.array([[row[name] for name in COLUMNS]])
+    row = measured(t, state, last)
+    values = np.array([[float(row[name][0]) for name in columns()]])
     motion = gait(np.linspace(0.0, period, 513))
     largest = (np.array([np.abs(x).max()]) for x in (motion.rate, motion.acceleration))
     return t, state, Table(values, *largest)
-
-
-def _clearance(trajectory: Trajectory, samples: slice) -> float:
-    """Least height of the legs' mass centres above the ground [m]."""
-    robot = trajectory.robot
-    model, data = robot.model, robot.model.createData()
-    joints = [model.getJointId(name) for name in robot.legs]
-    joints = [j for j in joints if model.inertias[j].mass > 0]
-    lowest = np.inf
-    at = zip(
-        trajectory.configuration[samples],
-        trajectory.ground_normal[samples],
-        trajectory.position[samples],
-        strict=True,
-    )
-    for q, normal, position in at:
-        foot = trajectory.ground.point(position)
-        pin.forwardKinematics(model, data, q)
-        for j in joints:
-            height = normal @ (data.oMi[j].act(model.inertias[j].lever) - foot)
-            lowest = min(lowest, float(height))
-    return lowest

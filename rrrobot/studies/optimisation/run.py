@@ -12,15 +12,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rrrobot.checks import Array, finite
+from rrrobot.checks import Array, finite, whole
 from rrrobot.errors import GaitError, ModelError, ParameterError
 from rrrobot.models.base import Model
+from rrrobot.progress import Progress, progress_of
 from rrrobot.studies.optimisation.goals import Goal, as_goal
 from rrrobot.studies.optimisation.result import OptimisedGait, confirm
 from rrrobot.studies.optimisation.search import search
 from rrrobot.studies.optimisation.space import Space, swing_of
 from rrrobot.studies.optimisation.table import GaitLimits, Table, file_limits
-from rrrobot.studies.optimisation.task import TIGHT, Evaluator, Progress, Task
+from rrrobot.studies.optimisation.task import TIGHT, Evaluator, Task
 
 _LEAST_BUDGET = 100
 
@@ -31,15 +32,16 @@ def optimise(
     *,
     offset: ArrayLike | None = None,
     amplitude: ArrayLike | None = None,
-    frequency: ArrayLike = (2.0, 14.0),
+    angular_frequency: ArrayLike = (2.0, 14.0),
     phase_difference: ArrayLike = (0.0, 2 * np.pi),
     harmonics: int = 1,
     tied: bool = False,
+    winding: ArrayLike = 0,
     limits: GaitLimits | None = None,
     settle_time: float = 25.0,
     budget: int | None = None,
     seed: int = 0,
-    progress: Progress | None = None,
+    progress: Progress = False,
 ) -> OptimisedGait:
     """The best gait for a goal, within bounds and limits.
 
@@ -50,19 +52,21 @@ def optimise(
         offset, amplitude: a number, which is kept; bounds (low, high) for all legs; or bounds
             for each (legs, 2) [rad]. Unless either is given, within the limits of position in
             the robot's file; 0 .. pi and 0 .. 0.5 without any.
-        frequency: angular, of all legs; number or bounds [rad/s].
+        angular_frequency: of all legs; number or bounds [rad/s].
         phase_difference: of legs 2, 3, ... from leg 1; number, bounds, or bounds for each
             (legs - 1, 2) [rad].
         harmonics: 1 for sinusoids; more give Fourier gaits whose whole swing stays within the
             largest amplitude.
         tied: whether all legs share one offset and one amplitude.
+        winding: whole turns of each leg in a period, or one number for all: 1 for legs that go
+            round and round, at a constant rate where the amplitude is 0.
         limits: what the gait must respect; `GaitLimits()` with the least effort and rate of the
             robot's file unless given.
         settle_time: simulated before the cycles that count [s]. Twice the slowest decay is too
             short: `OptimisedGait.discrepancy` and `variation` tell.
         budget: gaits that may be simulated, at least 100; 20 000 for each harmonic unless given.
         seed: the same seed gives the same bits.
-        progress: called with the gaits simulated so far and the budget.
+        progress: see `rrrobot.progress`; in gaits, of the budget.
 
     Returns:
         the OptimisedGait; where no gait is within the limits, or a target out of reach, it is the
@@ -84,13 +88,15 @@ def optimise(
     goal = as_goal(goal)
     space = Space(
         legs_of(model), **swing_of(model.robot.joints, offset, amplitude, tied=tied),
-        frequency=frequency, phase_difference=phase_difference, harmonics=harmonics, tied=tied,
+        angular_frequency=angular_frequency, phase_difference=phase_difference,
+        harmonics=harmonics, tied=tied, winding=winding,
     )  # fmt: skip
     limits = file_limits(model.robot.joints) if limits is None else limits
     budget = 20_000 * harmonics if budget is None else budget
-    evaluator = prepare(model, space, limits, settle_time, budget, seed, progress)
+    evaluator = prepare(model, space, limits, settle_time, budget, seed)
     task = Task(goal, limits, weight_of(model))
-    point = search(evaluator, task, np.random.default_rng(seed))
+    with progress_of(progress, "gaits", int(budget), "gaits") as evaluator.tell:
+        point = search(evaluator, task, np.random.default_rng(seed))
     settings = {"settle_time": float(settle_time), "budget": int(budget), "seed": int(seed)}
     return _result(model, evaluator, task, point, settings)
 
@@ -102,7 +108,6 @@ def prepare(
     settle_time: float,
     budget: int,
     seed: int,
-    progress: Progress | None,
 ) -> Evaluator:
     """An evaluator, after checks of everything that it needs.
 
@@ -118,8 +123,8 @@ def prepare(
     if not isinstance(limits, GaitLimits):
         raise ParameterError(f"limits is {limits!r}: give GaitLimits(...).")
     finite("settle_time", settle_time, "s", above=0.0)
-    check_whole("budget", budget, _LEAST_BUDGET)
-    check_whole("seed", seed, 0)
+    whole("budget", budget, at_least=_LEAST_BUDGET)
+    whole("seed", seed, at_least=0)
     # Numba loads here, so that it costs nobody who does not use it.
     from rrrobot.studies.optimisation.lanes import engine_of
 
@@ -129,7 +134,7 @@ def prepare(
             "a leg of this robot slides: give offset= and amplitude= in metres for it, as "
             "(low, high) for each leg."
         )
-    return Evaluator(engine, space, int(budget), progress)
+    return Evaluator(engine, space, int(budget))
 
 
 def legs_of(model: Model) -> int:
@@ -137,13 +142,6 @@ def legs_of(model: Model) -> int:
     if not isinstance(model, Model):
         raise ModelError(f"model is {type(model).__name__}: give a model, as FullModel(robot).")
     return model.n_legs
-
-
-def check_whole(name: str, value: object, least: int) -> None:
-    """Raise ParameterError unless a value is a whole number, at least the least."""
-    whole = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if not whole or value < least:  # type: ignore[operator]
-        raise ParameterError(f"{name} is {value!r}: it must be a whole number, at least {least}.")
 
 
 def weight_of(model: Model) -> float:

@@ -2,7 +2,7 @@
 
 A family of gaits has one frequency, and for each leg k
 
-    phi_k = offset_k + amplitude_k sin(u_k) + sum over j = 2 .. harmonics of
+    phi_k = offset_k + winding_k w t + amplitude_k sin(u_k) + sum over j = 2 .. harmonics of
             sine_jk sin(j u_k) + cosine_jk cos(j u_k),    u_k = w t + phase_k,    phase_1 = 0,
 
 and where that swings farther from the offset than the upper bound of the amplitude, it is scaled
@@ -13,54 +13,18 @@ A point of the box holds those of these numbers whose bounds differ, each scaled
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rrrobot.checks import Array, finite
-from rrrobot.drive.gaits import FourierGait, SinusoidalGait
+from rrrobot.checks import Array, finite, vector
+from rrrobot.drive.gaits import FourierGait, GaitBatch, SinusoidalGait
+from rrrobot.drive.gaits.base import check_turns
 from rrrobot.errors import ParameterError
 from rrrobot.robot.limits import LegJoints
 
 MAX_HARMONICS = 6
-_POINTS = 256
-
-
-class Population(NamedTuple):
-    """Gaits, one a row: phi = offset + sum over j of sine_j sin(j w t) + cosine_j cos(j w t)."""
-
-    offset: Array
-    """(n, legs) [rad]"""
-    sine: Array
-    """(n, harmonics, legs) [rad]"""
-    cosine: Array
-    """(n, harmonics, legs) [rad]"""
-    angular_frequency: Array
-    """(n,) [rad/s]"""
-
-    def motion(self) -> tuple[Array, Array, Array]:
-        """Swings, rates and accelerations through a period (n, _POINTS, legs)."""
-        harmonic = np.arange(1, self.sine.shape[1] + 1)[:, None]
-        turn = 2 * np.pi * np.arange(_POINTS) / _POINTS * harmonic
-        s, c = np.sin(turn).T, np.cos(turn).T
-        w = self.angular_frequency[:, None, None] * harmonic
-        swing, rate = s @ self.sine + c @ self.cosine, c @ (w * self.sine) - s @ (w * self.cosine)
-        return swing, rate, -(s @ (w * w * self.sine) + c @ (w * w * self.cosine))
-
-    def fastest(self) -> tuple[Array, Array]:
-        """Largest rate and acceleration of any leg, each (n,)."""
-        if self.sine.shape[1] == 1:
-            swing = np.hypot(self.sine, self.cosine).max(axis=(1, 2))
-            return swing * self.angular_frequency, swing * self.angular_frequency**2
-        _, rate, acceleration = self.motion()
-        return np.abs(rate).max(axis=(1, 2)), np.abs(acceleration).max(axis=(1, 2))
-
-    def within(self, swing: Array) -> Population:
-        """The gaits, those legs scaled down that swing more than (legs,) to a side."""
-        largest = np.abs(self.motion()[0]).max(axis=1)
-        factor = swing / np.maximum(largest, np.maximum(swing, 1e-300))
-        return self._replace(sine=self.sine * factor[:, None], cosine=self.cosine * factor[:, None])
 
 
 class Space:
@@ -71,10 +35,11 @@ class Space:
         offset, amplitude, phase_difference: a number, which is kept; bounds (low, high) for all
             legs; or an array (legs, 2) of bounds for each [rad]. Phase differences are those of
             legs 2, 3, ... from leg 1.
-        frequency: number or bounds [rad/s].
+        angular_frequency: number or bounds [rad/s].
         harmonics: 1 for sinusoids; more for Fourier gaits, whose whole swing stays within the
             largest amplitude.
         tied: whether all legs share one offset and one amplitude.
+        winding: whole turns of each leg in a period (legs,), or one number for all; kept.
 
     Attributes:
         lower, upper: bounds of every number (m,).
@@ -91,10 +56,11 @@ class Space:
         *,
         offset: ArrayLike,
         amplitude: ArrayLike,
-        frequency: ArrayLike,
+        angular_frequency: ArrayLike,
         phase_difference: ArrayLike,
         harmonics: int = 1,
         tied: bool = False,
+        winding: ArrayLike = 0,
     ) -> None:
         if isinstance(harmonics, bool) or harmonics not in range(1, MAX_HARMONICS + 1):
             raise ParameterError(
@@ -103,6 +69,8 @@ class Space:
         if legs < 1:
             raise ParameterError("the robot has no legs, so there is no gait to optimise.")
         self.legs, self.harmonics, self.tied = legs, int(harmonics), bool(tied)
+        self.winding = vector("winding", winding, legs, broadcast=True)
+        check_turns("winding", self.winding)
         each = 1 if tied else legs
         swing = bounds("amplitude", amplitude, each, "rad", at_least=0.0)
         # No harmonic of a swing within +-a is larger than a square wave's first one, 4 a / pi.
@@ -117,7 +85,9 @@ class Space:
             "phase": bounds("phase_difference", phase_difference, legs - 1, "rad"),
             "sine": np.column_stack((-higher, higher)),
             "cosine": np.column_stack((-higher, higher)),
-            "frequency": bounds("frequency", frequency, 1, "rad/s", at_least=0.02, at_most=200.0),
+            "angular_frequency": bounds(
+                "angular_frequency", angular_frequency, 1, "rad/s", at_least=0.02, at_most=200.0
+            ),
         }
         self._sizes = {name: len(part) for name, part in parts.items()}
         self.lower, self.upper = np.concatenate(list(parts.values())).T
@@ -127,7 +97,7 @@ class Space:
             "offset": parts["offset"],
             "amplitude": swing,
             "phase_difference": parts["phase"],
-            "frequency": parts["frequency"],
+            "angular_frequency": parts["angular_frequency"],
         }
         start = self._sizes["offset"] + self._sizes["amplitude"]
         phases = np.arange(start, start + self._sizes["phase"])
@@ -149,7 +119,7 @@ class Space:
         at = self._sizes["offset"] + self._sizes["amplitude"] + self._sizes["phase"]
         return np.asarray((self.free < at) | (self.free == self.lower.size - 1))
 
-    def population(self, points: Array) -> Population:
+    def population(self, points: Array) -> GaitBatch:
         """Gaits of points (s, n)."""
         values = np.tile(self.lower, (len(points), 1))
         values[:, self.free] += points * (self.upper - self.lower)[self.free]
@@ -162,8 +132,9 @@ class Space:
         own_cosine = own_sine.copy()
         own_sine[:, 0] = amplitude
         own_sine[:, 1:], own_cosine[:, 1:] = sine.reshape(shape), cosine.reshape(shape)
-        gaits = Population(
+        gaits = GaitBatch(
             np.ascontiguousarray(offset * np.ones(legs)),
+            np.tile(self.winding, (s, 1)),
             own_sine * np.cos(turn) - own_cosine * np.sin(turn),
             own_sine * np.sin(turn) + own_cosine * np.cos(turn),
             omega[:, 0].copy(),
@@ -172,22 +143,13 @@ class Space:
 
     def gait(self, point: Array) -> SinusoidalGait | FourierGait:
         """The gait of one point (n,)."""
-        gaits = self.population(point[None])
-        offset, omega = gaits.offset[0], float(gaits.angular_frequency[0])
-        sine, cosine = gaits.sine[0], gaits.cosine[0]
-        if self.harmonics > 1:
-            return FourierGait(offset=offset, cosine=cosine, sine=sine, angular_frequency=omega)
-        return SinusoidalGait(
-            offset=offset,
-            amplitude=np.hypot(sine[0], cosine[0]),
-            angular_frequency=omega,
-            phase=np.arctan2(cosine[0], sine[0]) % (2 * np.pi),
-        )
+        return self.population(point[None]).gait(0)
 
     def to_dict(self) -> dict[str, Any]:
         """Bounds as plain data."""
         named = {name: pairs.tolist() for name, pairs in self._given.items()}
-        return named | {"harmonics": self.harmonics, "tied": self.tied}
+        turns = [int(turn) for turn in self.winding]
+        return named | {"harmonics": self.harmonics, "tied": self.tied, "winding": turns}
 
 
 def bounds(

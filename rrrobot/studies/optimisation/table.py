@@ -10,61 +10,31 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array, finite
+from rrrobot.results import names
 from rrrobot.robot.limits import LegJoints
 
-COLUMNS = {
-    "speed": "m/s",
-    "yaw_rate": "rad/s",
-    "variation": "",
-    "pitch": "rad",
-    "normal_force": "N",
-    "friction": "",
-    "rms_torque": "N m",
-    "peak_torque": "N m",
-    "power": "W",
-    "clearance": "m",
-    "status": "",
-}
-"""Columns of a table, with units: the first three as `SteadyState` has them; largest |pitch|; least
-normal force; friction coefficient that is needed; root of the mean sum of squared motor torques;
-largest motor torque; mean of the sum of |torque x rate|; least height of a leg's mass centre above
-the ground; why the engine stopped, 0 if it did not. For a prismatic leg, torques are forces."""
+
+def columns() -> tuple[str, ...]:
+    """Names of a table's columns."""
+    return (*names(), "status")
 
 
 class Table:
-    """Results of gaits by name: `table.speed` is an array (n,).
+    """Results of gaits by name: `table.speed` is an array (n,); see `rrrobot.results`.
 
     Args:
-        values: (n, len(COLUMNS)).
+        values: (n, columns), the results in order, then the status.
         rate, acceleration: the largest of any leg (n,).
     """
 
-    speed: Array
-    yaw_rate: Array
-    variation: Array
-    pitch: Array
-    normal_force: Array
-    friction: Array
-    rms_torque: Array
-    peak_torque: Array
-    power: Array
-    clearance: Array
-    status: Array
-
     def __init__(self, values: Array, rate: Array, acceleration: Array) -> None:
-        for i, name in enumerate(COLUMNS):
-            setattr(self, name, values[:, i])
+        self.values = values
         self.rate, self.acceleration = rate, acceleration
 
-    @property
-    def curvature(self) -> Array:
-        """yaw_rate / speed (n,) [1/m]."""
-        return np.asarray(self.yaw_rate / np.maximum(self.speed, 1e-12))
-
-    @property
-    def values(self) -> Array:
-        """All columns (n, len(COLUMNS))."""
-        return np.column_stack([getattr(self, name) for name in COLUMNS])
+    def __getattr__(self, name: str) -> Array:
+        if name not in columns():
+            raise AttributeError(f"there is no result {name!r}.")
+        return np.asarray(self.values[:, columns().index(name)])
 
     def rows(self, which: NDArray[Any] | slice) -> Table:
         """Some of the gaits: indices or a mask."""
@@ -80,8 +50,7 @@ class Table:
 
     def to_dict(self) -> dict[str, float]:
         """The first row by name, without the status."""
-        names = [name for name in COLUMNS if name != "status"]
-        return {name: float(getattr(self, name)[0]) for name in names}
+        return dict(zip(names(), self.values[0].tolist(), strict=False))
 
 
 @dataclass(frozen=True, kw_only=True)

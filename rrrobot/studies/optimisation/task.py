@@ -11,13 +11,12 @@ from typing import NamedTuple
 
 import numpy as np
 
-from rrrobot.checks import Array, told
+from rrrobot.checks import Array
+from rrrobot.drive.gaits import GaitBatch
+from rrrobot.progress import Tell
 from rrrobot.studies.optimisation.goals import Goal
-from rrrobot.studies.optimisation.space import Population, Space
+from rrrobot.studies.optimisation.space import Space
 from rrrobot.studies.optimisation.table import GaitLimits, Table
-
-Progress = Callable[[int, int], None]
-"""Called with the gaits simulated so far and the budget."""
 
 TIGHT = 1e-5
 """Relative distance from a target that a polish must reach."""
@@ -40,17 +39,16 @@ class Evaluator:
         engine: population -> results.
         space: the box of gaits.
         budget: gaits that may be simulated in all; `allowed` of them now.
-        progress: see `Progress`.
     """
 
     def __init__(
         self,
-        engine: Callable[[Population], Array],
+        engine: Callable[[GaitBatch], Array],
         space: Space,
         budget: int,
-        progress: Progress | None = None,
     ) -> None:
-        self.engine, self.space, self.progress = engine, space, told(progress)
+        self.engine, self.space = engine, space
+        self.tell: Tell | None = None
         self.budget = self.allowed = budget
         self.used = 0
         self._points: list[Array] = []
@@ -69,8 +67,8 @@ class Evaluator:
         self.used += len(points)
         self._points.append(points.copy())
         self._tables.append(table)
-        if self.progress is not None:
-            self.progress(self.used, self.budget)
+        if self.tell is not None:
+            self.tell(self.used)
         return table
 
     def archive(self) -> tuple[Array, Table]:

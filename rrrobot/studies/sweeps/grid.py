@@ -11,24 +11,26 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rrrobot.checks import Array, finite, vector
-from rrrobot.drive.gaits import SinusoidalGait
+from rrrobot.checks import Array, finite, vector, whole
+from rrrobot.drive.gaits import Gait, GaitBatch, SinusoidalGait
+from rrrobot.drive.gaits.base import check_turns
 from rrrobot.errors import ParameterError
 from rrrobot.robot.parameters import RRRobotParameters
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rrrobot.momentum.batch import Gaits
-
 Grid = float | Sequence[Any] | Array | Mapping[str, Any]
 """A number; a list or an array: a grid for all legs; a tuple, or a mapping from joint names: one
 number or grid for each leg."""
-_PER_LEG = ("offset", "amplitude", "phase")
+_PER_LEG = ("offset", "amplitude", "phase", "winding")
 _LABELS = {
     "offset": ("rad", "leg offset"),
     "amplitude": ("rad", "leg amplitude"),
     "phase": ("rad", "leg phase"),
+    "winding": ("1", "whole turns of the legs in a period"),
+    "sine": ("rad", "sine of each harmonic"),
+    "cosine": ("rad", "cosine of each harmonic"),
     "phase_difference": ("rad", "leg phase difference"),
     "yaw_amplitude": ("rad", "leg amplitude of the yaw model"),
     "angular_frequency": ("rad/s", "angular frequency"),
@@ -68,6 +70,7 @@ class Plan:
         self._of_robot: tuple[str, ...] = ()
         self._sources: dict[str, list[_Source]] = {}
         self._yaw: tuple[tuple[str, ...], Array] | None = None
+        self._batch: GaitBatch | None = None
 
     @property
     def gait_sizes(self) -> dict[str, int]:
@@ -84,14 +87,29 @@ class Plan:
             self._axis(name, values)
         self._of_robot = tuple(self.sizes)
 
-    def add_points(self, points: Mapping[str, ArrayLike] | Sequence[SinusoidalGait]) -> None:
+    @property
+    def steps(self) -> int:
+        """Steps of a cycle that are enough for the highest harmonic of any gait."""
+        if self._batch is None:
+            turns = [source.values for source in self._sources["winding"]]
+            order = int(max(np.abs(values).max(initial=0.0) for values in turns))
+        else:
+            goes_round = bool(np.any(self._batch.winding))
+            order = self._batch.order if self._batch.sine.shape[1] > 1 or goes_round else 0
+        return 8 + 8 * order if order else 10
+
+    def add_points(self, points: Mapping[str, ArrayLike] | Sequence[Gait]) -> None:
+        """Gaits one by one: of any kind, or arrays of numbers of sinusoidal ones."""
+        if not isinstance(points, Mapping) and not all(_simple(gait) for gait in points):
+            self._add_batch(GaitBatch.of(points))
+            return
         given = points if isinstance(points, Mapping) else _point_arrays(points)
         allowed = (*_PER_LEG, "phase_difference", "angular_frequency")
         wrong = [repr(name) for name in given if name not in allowed]
         if wrong or not given:
             raise ParameterError(
                 f"points has {', '.join(wrong) or 'no entry'}: it must map some of "
-                f"{', '.join(allowed)} to arrays, or be a sequence of SinusoidalGait."
+                f"{', '.join(allowed)} to arrays, or be a sequence of gaits."
             )
         arrays = {name: self._table(name, values) for name, values in given.items()}
         sizes = {name: len(array) for name, array in arrays.items()}
@@ -104,6 +122,26 @@ class Plan:
                 self.coords["leg"] = (("leg",), np.array(self.legs), {"long_name": "leg joint"})
             self.coords[name] = (dims, array, _attributes(name))
             self._sources[name] = [_Source("gait", column) for column in np.atleast_2d(array.T)]
+
+    def _add_batch(self, batch: GaitBatch) -> None:
+        legs = len(self.legs)
+        if batch.offset.shape[1] != legs:
+            raise ParameterError(
+                f"points has gaits of {batch.offset.shape[1]} legs, and the robot has {legs}."
+            )
+        self._batch = batch
+        self.sizes["gait"] = batch.n
+        self.coords["leg"] = (("leg",), np.array(self.legs), {"long_name": "leg joint"})
+        order = np.arange(1, batch.sine.shape[1] + 1)
+        self.coords["harmonic"] = (("harmonic",), order, {"long_name": "harmonic", "units": "1"})
+        for name, values in batch._asdict().items():
+            dims = (
+                ("gait", "harmonic", "leg") if values.ndim == 3 else ("gait", "leg")[: values.ndim]
+            )
+            self.coords[name] = (dims, values, _attributes(name))
+        # What a gait is leaves nothing for a grid.
+        for name in (*_PER_LEG, "phase_difference", "angular_frequency"):
+            self._sources[name] = []
 
     def add(self, name: str, grid: Grid | None, default: float | None = None) -> None:
         """Add a quantity, unless the points have it."""
@@ -123,6 +161,10 @@ class Plan:
         self._sources[name] = [self._axis(name, entry, leg) for leg, entry in entries.items()]
 
     def add_phases(self, difference: Grid | None, phase: Grid | None) -> None:
+        if self._batch is not None:
+            self.add("phase_difference", difference)
+            self.add("phase", phase)
+            return
         grids = {"phase_difference": difference, "phase": phase}
         given = [n for n, grid in grids.items() if grid is not None or n in self._sources]
         if len(given) > 1:
@@ -140,10 +182,19 @@ class Plan:
         self.add(name, difference, math.pi / 2)
         self._sources["phase"] = [_Source(None, np.array(0.0)), *self._sources.pop(name)]
 
+    def add_winding(self, grid: Grid | None) -> None:
+        """Add the legs' whole turns; where nobody speaks of them there are none."""
+        if grid is None:
+            self._sources.setdefault("winding", [_Source(None, np.array(0.0))])
+        else:
+            self.add("winding", grid)
+
     def add_yaw_amplitude(self, values: float | xr.DataArray) -> None:
         import xarray as xr
 
         name = "yaw_amplitude"
+        if self._batch is not None:
+            raise ParameterError("yaw_amplitude is for sinusoidal gaits: leave it out.")
         dims: tuple[str, ...] = ()
         if not isinstance(values, xr.DataArray):
             table = np.array(finite(name, values, "rad"))
@@ -163,10 +214,10 @@ class Plan:
         self._yaw = dims, table
         self.coords["yaw_model_amplitude"] = (dims, table, _attributes(name))
 
-    def gaits(self, first: int, last: int) -> tuple[Gaits, Array | None]:
-        """Gaits first, ..., last - 1 of one robot, and yaw amplitudes, as the engine takes them."""
-        from rrrobot.momentum.batch import Gaits
-
+    def gaits(self, first: int, last: int) -> tuple[GaitBatch, GaitBatch | None]:
+        """Gaits first, ..., last - 1 of one robot, and those of the yaw model alone if it has."""
+        if self._batch is not None:
+            return self._batch.rows(slice(first, last)), None
         sizes, number = self.gait_sizes, np.arange(first, last)
         along = np.unravel_index(number, tuple(sizes.values())) if sizes else ()
         place = dict(zip(sizes, along, strict=True))
@@ -181,13 +232,14 @@ class Plan:
 
         legs = len(self.legs)
         frequency = table("angular_frequency", 1).ravel()
-        offset, amplitude, phase = (table(name, legs) for name in _PER_LEG)
-        gaits = Gaits(offset, amplitude, phase, frequency)
+        offset, amplitude, phase, winding = (table(name, legs) for name in _PER_LEG)
+        gaits = GaitBatch.sinusoidal(offset, amplitude, phase, frequency, winding)
         if self._yaw is None:
             return gaits, None
         dims, values = self._yaw
         yaw = np.broadcast_to(values[tuple(place[dim] for dim in dims)], number.shape)[:, None]
-        return gaits, np.where(np.isnan(yaw), gaits.amplitude, yaw)
+        own = np.where(np.isnan(yaw), amplitude, yaw)
+        return gaits, GaitBatch.sinusoidal(offset, own, phase, frequency, winding)
 
     def _axis(self, quantity: str, grid: Any, leg: str = "") -> _Source:
         """Make a dimension of a grid, a scalar coordinate of a number."""
@@ -199,10 +251,12 @@ class Plan:
         size = _size(name, grid)
         if size is None:
             value = np.array(finite(name, grid, unit, above=above))
+            _check_whole(quantity, value)
             self.coords[name] = ((), value, _attributes(quantity, leg))
             return _Source(None, value)
         values = vector(name, grid, size, unit)
         _not_empty(name, values, above)
+        _check_whole(quantity, values)
         self.sizes[name] = size
         self.coords[name] = ((name,), values, _attributes(quantity, leg))
         return _Source(name, values)
@@ -238,26 +292,20 @@ class Plan:
             raise ParameterError(f"{label} has shape {shape}: it must be {rule}.")
         flat = vector(label, np.ravel(values), math.prod(shape), _LABELS[name][0])
         _not_empty(label, flat, 0 if name == "angular_frequency" else None)
+        _check_whole(name, flat)
         return flat.reshape(shape)
 
 
-def _point_arrays(gaits: Sequence[SinusoidalGait]) -> dict[str, Array]:
-    """Points of sinusoidal gaits."""
-    for i, gait in enumerate(gaits):
-        if not isinstance(gait, SinusoidalGait):
-            raise ParameterError(f"points[{i}] is {gait!r}: it must be a SinusoidalGait.")
-        if gait.n_legs != gaits[0].n_legs:
-            raise ParameterError(
-                f"points[{i}] has {gait.n_legs} legs, points[0] {gaits[0].n_legs}."
-            )
-        if np.ptp(gait.angular_frequency):
-            raise ParameterError(
-                f"points[{i}] has the frequencies {gait.angular_frequency.tolist()} rad/s: in a "
-                "sweep all legs of a gait share one."
-            )
-    if not len(gaits):
-        raise ParameterError("points is empty: give at least one gait.")
-    found = {name: np.array([getattr(gait, name) for gait in gaits]) for name in _PER_LEG}
+def _simple(gait: object) -> bool:
+    """Whether four numbers for each leg are a gait: a sinusoid of one frequency."""
+    return isinstance(gait, SinusoidalGait) and not np.ptp(gait.angular_frequency)
+
+
+def _point_arrays(gaits: Sequence[Any]) -> dict[str, Array]:
+    """Points of sinusoidal gaits of one frequency each."""
+    GaitBatch.of(gaits)
+    names = ("offset", "amplitude", "phase")
+    found = {name: np.array([getattr(gait, name) for gait in gaits]) for name in names}
     return found | {"angular_frequency": np.array([gait.angular_frequency[0] for gait in gaits])}
 
 
@@ -277,21 +325,17 @@ def run_settings(cycles: int, counted: int | None, steps: int) -> dict[str, int]
     return {"cycles": cycles, "counted": counted, "steps_per_cycle": steps}
 
 
-def whole(name: str, value: object, *, at_least: int, at_most: int | None = None) -> int:
-    """A whole number in a range, checked."""
-    rule = f"at least {at_least}" if at_most is None else f"from {at_least} to {at_most}"
-    integer = isinstance(value, (int, np.integer)) and not isinstance(value, bool)
-    if not integer or value < at_least or (at_most is not None and value > at_most):  # type: ignore[operator]
-        raise ParameterError(f"{name} is {value!r}: it must be a whole number, {rule}.")
-    return int(value)  # type: ignore[call-overload]
-
-
 def _size(name: str, grid: Any) -> int | None:
     """Number of values of a grid; None of a number."""
     try:
         return np.size(grid) if np.ndim(grid) else None
     except ValueError:
         raise ParameterError(f"{name} is {grid!r}: its entries must be numbers.") from None
+
+
+def _check_whole(quantity: str, values: Array) -> None:
+    if quantity == "winding":
+        check_turns(quantity, values)
 
 
 def _not_empty(name: str, values: Array, above: float | None) -> None:

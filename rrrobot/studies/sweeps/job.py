@@ -12,13 +12,11 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.errors import OutputError, SweepError, SweepInterrupted
+from rrrobot.progress import Tell
+from rrrobot.results import NOT_COMPUTED, completed
 from rrrobot.studies.sweeps.grid import Plan
-from rrrobot.studies.sweeps.progress import Tell
-from rrrobot.studies.sweeps.store import NOT_COMPUTED, Layout, ResultsFile, curvature, pending
-from rrrobot.studies.sweeps.variants import Variants, clearance
-
-_STILL = 1e-9
-"""Amplitude up to which an axis has no phase [rad]."""
+from rrrobot.studies.sweeps.store import Layout, ResultsFile, pending
+from rrrobot.studies.sweeps.variants import Variants
 
 
 class Job:
@@ -47,17 +45,19 @@ class Job:
         """Gaits whose results are in the columns, and in the file if there is one."""
         return int(np.count_nonzero(self.columns["status"] != NOT_COMPUTED))
 
-    def compute(self, executor: Executor, chunk: int, tell: Tell, at_once: int) -> None:
+    def compute(self, executor: Executor, chunk: int, tell: Tell | None, at_once: int) -> None:
         """Run what is missing in chunks, at most `at_once` of them at a time."""
         size = math.prod(self._plan.gait_sizes.values())
-        running: dict[Future[Array], tuple[int, Array]] = {}
+        running: dict[Future[Array], int] = {}
+        if tell is not None:
+            tell(self.done)
         try:
             for first, last in pending(self.columns["status"], size, chunk):
-                engine, setting, robot = self._variants.at(first // size)
+                engine, setting = self._variants.at(first // size)
                 gaits, yaw = self._plan.gaits(first % size, (last - 1) % size + 1)
-                more: dict[str, Any] = {} if yaw is None else {"yaw_amplitude": yaw}
+                more: dict[str, Any] = {} if yaw is None else {"yaw": yaw}
                 future = executor.submit(partial(engine, setting, gaits, **self._run, **more))
-                running[future] = first, clearance(robot, gaits)
+                running[future] = first
                 while len(running) >= at_once:
                     self._collect(running, tell)
             while running:
@@ -92,33 +92,27 @@ class Job:
             self._layout.dataset(self.columns),
         )
 
-    def _collect(self, running: dict[Future[Array], tuple[int, Array]], tell: Tell) -> None:
+    def _collect(self, running: dict[Future[Array], int], tell: Tell | None) -> None:
         """Wait for a chunk, and keep all that are finished."""
         for future in wait(running, return_when=FIRST_COMPLETED).done:
-            first, height = running.pop(future)
-            self._keep(first, future.result(), height)
-        tell(self.done)
+            self._keep(running.pop(future), future.result())
+        if tell is not None:
+            tell(self.done)
 
-    def _stop(self, running: dict[Future[Array], tuple[int, Array]]) -> None:
+    def _stop(self, running: dict[Future[Array], int]) -> None:
         """Call off what waits, and keep what is finished or under way."""
         for future in wait([future for future in running if not future.cancel()]).done:
             if future.exception() is None:
-                first, height = running[future]
                 # What stopped the sweep may be the store.
                 with contextlib.suppress(OutputError):
-                    self._keep(first, future.result(), height)
+                    self._keep(running[future], future.result())
 
-    def _keep(self, first: int, result: Array, height: Array) -> None:
+    def _keep(self, first: int, result: Array) -> None:
         from rrrobot.momentum.batch import LOADS, RESULT
 
-        names = (*RESULT, *LOADS) if self._run.get("loads") else RESULT
-        found = dict(zip(names, result.T, strict=True))
-        found["clearance"] = height
-        found["curvature"] = curvature(found["speed"], found["yaw_rate"])
-        turn = found["yaw_phase"] - found["pitch_phase"] + np.pi
-        swings = (found["pitch_amplitude"] > _STILL) & (found["yaw_amplitude"] > _STILL)
-        turn = np.where(swings, -(turn % (2 * np.pi) - np.pi), np.nan)
-        found["pitch_yaw_phase_difference"] = turn
+        loads = bool(self._run.get("loads"))
+        names = (*RESULT, *LOADS) if loads else RESULT
+        found = completed(dict(zip(names, result.T, strict=True)), loads=loads)
         part = {name: found[name].astype(column.dtype) for name, column in self.columns.items()}
         for name, column in self.columns.items():
             column[first : first + len(result)] = part[name]

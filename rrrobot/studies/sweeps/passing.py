@@ -23,7 +23,7 @@ _MOST = 8
 def warn_of_gaits(robot: Robot, plan: Plan, columns: Mapping[str, NDArray[Any]]) -> None:
     """Warn of gaits that the robot's file or the ground stands against.
 
-    Positions and rates are those of the swing, offset +- amplitude and amplitude x frequency.
+    Positions and rates are those of the swing about the offset; who goes round passes every limit.
     Efforts are known of a sweep with loads: the largest torque of any leg, beside the least effort
     that the file allows one.
 
@@ -73,8 +73,7 @@ def _passed(robot: Robot, plan: Plan) -> dict[tuple[str, str, str, float], tuple
     times = math.prod(plan.sizes.values()) // max(size, 1)
     for first in range(0, size, _AT_ONCE):
         gaits, _ = plan.gaits(first, min(first + _AT_ONCE, size))
-        swing = np.abs(gaits.amplitude)
-        rate = swing * np.abs(gaits.angular_frequency)[:, None]
+        swing, rate = gaits.extent()
         for k, leg in enumerate(robot.legs):
             cases: tuple[tuple[str, str, float, Array], ...] = (
                 ("position", "rad", joints.lower[k],

@@ -1,9 +1,9 @@
 """Sweeps: grids or lists of gaits, and of robots -> one labelled dataset of steady states.
 
-The gaits phi_k(t) = offset_k + amplitude_k sin(omega t + phase_k) of a sweep are numbered. Chunks
-of them are made, simulated by the momentum engine on threads or on any executor, and stored. A
-gait's result depends on nothing but the gait, so neither the chunks nor who computes them change
-a bit of it.
+The gaits phi_k(t) = offset_k + winding_k omega t + amplitude_k sin(omega t + phase_k) of a sweep,
+or those of a list, are numbered. Chunks of them are made, simulated by the momentum engine on
+threads or on any executor, and stored. A gait's result depends on nothing but the gait, so neither
+the chunks nor who computes them change a bit of it.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 import math
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, ThreadPoolExecutor
 from contextlib import ExitStack
 from importlib.metadata import version
@@ -20,16 +20,17 @@ from typing import TYPE_CHECKING, Any
 
 from numpy.typing import ArrayLike
 
-from rrrobot.drive.gaits import SinusoidalGait
+from rrrobot.checks import whole
+from rrrobot.drive.gaits import Gait
 from rrrobot.errors import OutputError, ParameterError
 from rrrobot.models.base import Model
 from rrrobot.models.recombined import DecoupledModels
+from rrrobot.progress import Progress, progress_of
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.simulation.evaluate import versions
-from rrrobot.studies.sweeps.grid import Grid, Plan, run_settings, whole
+from rrrobot.studies.sweeps.grid import Grid, Plan, run_settings
 from rrrobot.studies.sweeps.job import Job
 from rrrobot.studies.sweeps.passing import warn_of_gaits
-from rrrobot.studies.sweeps.progress import progress_of
 from rrrobot.studies.sweeps.store import Layout, ResultsFile
 from rrrobot.studies.sweeps.variants import Variants, engine_of
 
@@ -55,12 +56,13 @@ def sweep(
     phase: Grid | None = None,
     amplitude: Grid | None = None,
     angular_frequency: Grid | None = None,
+    winding: Grid | None = None,
     yaw_amplitude: float | xr.DataArray | None = None,
-    points: Mapping[str, ArrayLike] | Sequence[SinusoidalGait] | None = None,
+    points: Mapping[str, ArrayLike] | Sequence[Gait] | None = None,
     parameters: Mapping[str, ArrayLike] | None = None,
     cycles: int = 38,
     counted: int | None = None,
-    steps_per_cycle: int = 10,
+    steps_per_cycle: int | None = None,
     store: str | Path | None = None,
     resume: bool = True,
     chunk: int | None = None,
@@ -68,11 +70,11 @@ def sweep(
     threads: int | None = None,
     loads: bool = False,
     settle: str = "cycles",
-    progress: bool | Callable[[int, int], None] | None = None,
+    progress: Progress = None,
 ) -> xr.Dataset:
     """Steady states of a model under all gaits of a grid, or under a list of gaits.
 
-    Each of the first five arguments is a number, a grid for all legs (a list or an array), or one
+    Each of the first six arguments is a number, a grid for all legs (a list or an array), or one
     number or grid for each leg (a tuple, or a mapping from joint names). Every grid becomes a
     dimension of the result, every number a coordinate.
 
@@ -85,17 +87,21 @@ def sweep(
         phase: of each leg instead, on any robot [rad]; 0 unless given.
         amplitude: of the swing [rad]; 0.3 unless given.
         angular_frequency: of all legs [rad/s]; 8 unless given.
+        winding: whole turns of the legs in a period; 0 unless given. At amplitude 0 they go round
+            at a constant rate.
         yaw_amplitude: of the legs in the yaw model alone of `DecoupledModels`, the paper's Fig 20
             [rad]: a number, or a DataArray over some of the gaits' dimensions, such as
             `rr.studies.amplitude_modulation` gives; where it is NaN, as the other models'.
-        points: gaits instead of a grid: `SinusoidalGait`s, or a mapping from the names above to
-            arrays (n,) or, one column a leg, (n, legs). What it does not name may still be a grid.
+        points: gaits instead of a grid: periodic ones of any kind, see `Gait.harmonics`; or a
+            mapping from the names above to arrays (n,) or, one column a leg, (n, legs). What it
+            does not name may still be a grid.
         parameters: grids of `RRRobotParameters` by name, for the model of a robot that
             `Robot.from_parameters` made; the model is made anew for each value.
         cycles: simulated, from an upright impulsive start; 38 last 30 s at 8 rad/s.
         counted: cycles at the end over which means are taken; those in the second half unless
             given, as `Trajectory.steady_state` has it: the last 18 of 38.
-        steps_per_cycle: of the fixed-step DOP853; 10 give the speed to 3e-7 on RRRobot.
+        steps_per_cycle: of the fixed-step DOP853; 10 give the speed of sinusoidal gaits to 3e-7 on
+            RRRobot. Unless given, 10 for those, and 8 more for each harmonic or turn of others.
         store: a netCDF file (.nc) that takes each chunk as it is finished. If it is there, what
             it holds of this sweep is not computed again.
         resume: False: replace that file.
@@ -103,8 +109,8 @@ def sweep(
         executor: runs the chunks: threads, processes, or a Dask cluster's
             `Client.get_executor()`.
         threads: of our own, without an executor; one for each usable core unless given.
-        loads: whether to have `sweep_store.LOADS` too: `peak_torque`, `rms_torque`, `power` of the
-            motors and the `friction` that the contact needs, all of the last cycle. NaN where they
+        loads: whether to have `peak_torque`, `rms_torque`, `power` of the motors and the
+            `friction` that the contact needs too, all of the last cycle. NaN where they
             mean nothing: all for `DecoupledModels`, friction for pivoted models. 10 steps a cycle
             give torques and friction to 1e-3 at worst on RRRobot (2e-5 in the middle), 20 to 1e-6.
         settle: "cycles": simulate `cycles` of each gait, as the paper does, and take what they
@@ -113,17 +119,17 @@ def sweep(
             6, one without any 7. `variation` is then the orbit's residual, and `yaw_mean` that of
             a cycle that starts with yaw 0. Of several cycles it is the one that Newton's method
             finds from rest, not always that which an upright start comes to.
-        progress: a bar on stderr with rate and time left (True), none (False), one if stderr is a
-            terminal (None), or a function called with (gaits done, gaits in all).
+        progress: see `rrrobot.progress`; in gaits.
 
     Returns:
-        a Dataset with the variables of `sweep_store.VARIABLES` and `status`, which says why a gait
-        was stopped (its results are NaN). Each variable's attributes hold its unit, the dataset's
-        the model, the robot and the versions as JSON.
+        a Dataset with the variables of `rrrobot.results.COLUMNS` and `status`, which says why a
+        gait was stopped (its results are NaN). Each variable's attributes hold its unit, the
+        dataset's the model, the robot and the versions as JSON.
 
     Raises:
         ParameterError: a grid that is empty or not finite, a wrong number of legs, other numbers
             out of range.
+        GaitError: points that are no periodic gaits, or turns that are not whole.
         ModelError: a model that the engine does not know.
         OutputError: the store is another sweep's, or cannot be written.
         SweepInterrupted: Ctrl-C.
@@ -144,9 +150,6 @@ def sweep(
     engine_of(model, settle)
     if not isinstance(loads, bool):
         raise ParameterError(f"loads is {loads!r}: it must be True or False.")
-    run = run_settings(cycles, counted, steps_per_cycle) | {"loads": loads}
-    if settle == "orbit":
-        run = {key: run[key] for key in ("steps_per_cycle", "loads")}
     threads = _cores() if threads is None else whole("threads", threads, at_least=1)
     plan = Plan(model.robot.legs)
     plan.add_parameters(parameters or {})
@@ -156,6 +159,11 @@ def sweep(
     plan.add_phases(phase_difference, phase)
     plan.add("amplitude", amplitude, AMPLITUDE)
     plan.add("angular_frequency", angular_frequency, ANGULAR_FREQUENCY)
+    plan.add_winding(winding)
+    steps = plan.steps if steps_per_cycle is None else steps_per_cycle
+    run = run_settings(cycles, counted, steps) | {"loads": loads}
+    if settle == "orbit":
+        run = {key: run[key] for key in ("steps_per_cycle", "loads")}
     if yaw_amplitude is not None:
         if not isinstance(model, DecoupledModels):
             raise ParameterError("yaw_amplitude is for DecoupledModels: leave it out.")
@@ -177,7 +185,7 @@ def sweep(
         job = Job(plan, variants, run, layout, file)
         what = f"{model.name} model"
         try:
-            with progress_of(progress, what, layout.size, job.done) as tell:
+            with progress_of(progress, what, layout.size, "gaits", job.done) as tell:
                 if executor is None:
                     with ThreadPoolExecutor(threads) as pool:
                         job.compute(pool, chunk, tell, threads + 1)

@@ -19,62 +19,14 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from rrrobot.checks import Array
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable, write_whole
+from rrrobot.results import COLUMNS, NOT_COMPUTED, STATUS, names
 from rrrobot.studies.sweeps.hold import hold, refuse_held, refuse_replaced
 from rrrobot.studies.sweeps.netcdf import begins, checksums, on_disk
 
 if TYPE_CHECKING:
     import xarray as xr
-
-NOT_COMPUTED = -1
-"""Status of a gait that a sweep has not reached."""
-STATUS = {
-    NOT_COMPUTED: "not_computed",
-    0: "steady_state",
-    1: "pitch_reached_90_degrees",
-    2: "value_not_finite",
-    3: "lifts_off",
-    4: "ground_ends",
-    5: "touches_twice",
-    6: "orbit_unstable",
-    7: "no_orbit_found",
-    8: "turns_over",
-}
-"""What the numbers of the variable `status` mean; results are NaN unless it is 0."""
-
-VARIABLES = {
-    "speed": ("m/s", "speed v of the contact point from cycle to cycle"),
-    "velocity_x": ("m/s", "velocity along the body's mean forward axis"),
-    "velocity_y": ("m/s", "velocity along the leg axis, positive to the left"),
-    "yaw_rate": ("rad/s", "yaw rate alpha from cycle to cycle"),
-    "curvature": ("1/m", "curvature K = alpha / v of the path"),
-    "roll_amplitude": ("rad", "roll amplitude"),
-    "pitch_amplitude": ("rad", "pitch amplitude"),
-    "yaw_amplitude": ("rad", "yaw amplitude"),
-    "roll_phase": ("rad", "roll phase"),
-    "pitch_phase": ("rad", "pitch phase"),
-    "yaw_phase": ("rad", "yaw phase"),
-    "pitch_yaw_phase_difference": ("rad", "pitch phase less yaw phase, where both swing"),
-    "roll_mean": ("rad", "mean roll"),
-    "pitch_mean": ("rad", "mean pitch"),
-    "yaw_mean": ("rad", "mean yaw"),
-    "variation": ("1", "largest deviation of one cycle's step from the mean step, over that"),
-    "normal_force": ("N", "least normal force of the ground in the last cycle"),
-    "clearance": ("m", "least height of the legs' masses over the swing, body upright"),
-}
-"""Unit and long name of each variable; amplitudes and phases are of the first harmonic."""
-LOADS = {
-    "peak_torque": ("N m", "largest |motor torque| of any leg in the last cycle"),
-    "rms_torque": ("N m", "root of the mean sum of squared motor torques over the last cycle"),
-    "power": ("W", "mean sum of |motor torque x leg rate| over the last cycle"),
-    "friction": ("1", "largest friction coefficient that the contact needs in the last cycle"),
-}
-"""Variables that a sweep has on request. The motors' torques include the damping of their joints;
-those of a prismatic leg are forces [N]. Friction is NaN for pivoted models, which have no contact
-that could slip; for roll and pitch models it is that of all that holds the body, their guides
-included. All are NaN for decoupled models, whose motion no forces of the whole robot make."""
 
 _CHECKSUM = "checksum"
 """Variable of the file alone: CRC-32 of each gait's numbers, its status among them."""
@@ -94,9 +46,9 @@ class Layout(NamedTuple):
     """numbers and JSON text; `loads` says whether those are among the variables"""
 
     @property
-    def variables(self) -> dict[str, tuple[str, str]]:
-        """Unit and long name of each variable but the status."""
-        return VARIABLES | LOADS if self.attrs.get("loads") else VARIABLES
+    def variables(self) -> tuple[str, ...]:
+        """Names of the variables but the status."""
+        return names(loads=bool(self.attrs.get("loads")))
 
     @property
     def size(self) -> int:
@@ -133,8 +85,7 @@ def _attributes(name: str) -> dict[str, Any]:
             "flag_values": np.array(list(STATUS), dtype=np.int8),
             "flag_meanings": " ".join(STATUS.values()),
         }
-    unit, long_name = (VARIABLES | LOADS)[name]
-    return {"long_name": long_name, "units": unit}
+    return {"long_name": COLUMNS[name].text, "units": COLUMNS[name].unit}
 
 
 class ResultsFile:
@@ -336,11 +287,3 @@ def pending(status: NDArray[np.int8], block: int, chunk: int) -> Iterator[tuple[
             end = min(last, first + chunk, (first // block + 1) * block)
             yield first, end
             first = end
-
-
-def curvature(speed: Array, yaw_rate: Array) -> Array:
-    """K = alpha / v [1/m]; infinite for a turn on the spot, zero if nothing moves."""
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        moving = yaw_rate / speed
-    still = np.where(np.abs(yaw_rate) > 1e-12, np.copysign(np.inf, yaw_rate), 0.0 * yaw_rate)
-    return np.where(speed > 1e-12, moving, still)

@@ -5,26 +5,20 @@
 
 from __future__ import annotations
 
-import math
 import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array
-from rrrobot.contact.surfaces import Sphere
 from rrrobot.errors import GroundClearanceWarning, ModelError, ParameterError
 from rrrobot.models.base import Model
 from rrrobot.models.recombined import DecoupledModels
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.robot import Robot
-
-if TYPE_CHECKING:
-    from rrrobot.momentum.batch import Gaits
-
 
 Engine = Callable[..., Array]
 """Computes steady states of (setting, gaits, **run): the columns `RESULT` of `momentum.batch`, then
@@ -73,7 +67,7 @@ class Variants:
     ) -> None:
         self._model, self._settle = model, settle
         self._grids = {name: np.atleast_1d(np.asarray(grid)) for name, grid in grids.items()}
-        self._last: tuple[int, tuple[Engine, Any, Robot]] | None = None
+        self._last: tuple[int, tuple[Engine, Any]] | None = None
         self.base = model.robot.parameters
         if grids and self.base is None:
             raise ParameterError(
@@ -84,8 +78,8 @@ class Variants:
             for value in values.tolist():
                 self._parameters({name: value})
 
-    def at(self, number: int) -> tuple[Engine, Any, Robot]:
-        """Engine, setting and robot of a combination."""
+    def at(self, number: int) -> tuple[Engine, Any]:
+        """Engine and setting of a combination."""
         if self._last is None or self._last[0] != number:
             model = self._model
             if self._grids:
@@ -94,7 +88,7 @@ class Variants:
                 pairs = zip(self._grids.items(), place, strict=True)
                 values = {name: float(grid[i]) for (name, grid), i in pairs}
                 model = model.remade(Robot.from_parameters(self._parameters(values)))
-            self._last = number, (*engine_of(model, self._settle), model.robot)
+            self._last = number, engine_of(model, self._settle)
         return self._last[1]
 
     def _parameters(self, values: dict[str, Any]) -> RRRobotParameters:
@@ -102,29 +96,3 @@ class Variants:
             # What counts is whether a gait swings a leg through the ground.
             warnings.simplefilter("ignore", GroundClearanceWarning)
             return replace(self.base or RRRobotParameters(), **values)
-
-
-def clearance(robot: Robot, gaits: Gaits) -> Array:
-    """Least height of the legs' centres of mass over the ground in a swing (n,) [m].
-
-    The body is upright. On RRRobot these are the leg tips, at r + l sin(phi). NaN where a leg hangs
-    on another leg, or a joint slides.
-    """
-    from rrrobot.momentum.tree import tree_of
-
-    tree, lowest = tree_of(robot), np.full(len(gaits.offset), np.inf)
-    if not isinstance(robot.shell, Sphere) or tree.parent[1:].any() or tree.prismatic.any():
-        return np.full_like(lowest, np.nan)
-    for i in range(1, tree.mass.size):
-        # Rodrigues' formula: the height is fixed + c cos(phi) + s sin(phi).
-        up, axis, lever = tree.rotation[i, 2], tree.axis[i], tree.lever[i]
-        along = axis * (axis @ lever)
-        c, s = up @ (lever - along), up @ np.cross(axis, lever)
-        fixed = tree.translation[0, 2] + tree.translation[i, 2] + up @ along
-        # From the lowest angle to the swing's centre, and to the nearest angle of the swing.
-        k, ratio = tree.leg[i], tree.ratio[i]
-        turn = ratio * gaits.offset[:, k] + tree.shift[i] - math.atan2(-s, -c)
-        away = np.abs((turn + np.pi) % (2 * np.pi) - np.pi)
-        nearest = np.maximum(away - np.abs(ratio * gaits.amplitude[:, k]), 0.0)
-        lowest = np.minimum(lowest, fixed - math.hypot(c, s) * np.cos(nearest))
-    return robot.shell.radius + lowest

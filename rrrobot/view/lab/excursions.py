@@ -91,7 +91,7 @@ def driven(
     laps = max(4, round(_DRIVEN / (2 * math.pi / knobs.frequency)))
     period = 2 * math.pi / knobs.frequency
 
-    def watch(time: float) -> None:
+    def watch(*_: float) -> None:
         if overtaken():
             raise KeyboardInterrupt
 

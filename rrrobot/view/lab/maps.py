@@ -9,7 +9,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.momentum.batch import RESULT, Gaits, lower, steady_states
+from rrrobot.drive.gaits import GaitBatch
+from rrrobot.momentum.batch import RESULT, lower, steady_states
 from rrrobot.robot.robot import Robot
 from rrrobot.view.lab.knobs import Knobs
 from rrrobot.view.lab.outcome import Outcome, Refusal, settle
@@ -62,7 +63,7 @@ def motion_map(given: Robot, knobs: Knobs) -> MotionMap:
     phase = np.linspace(-np.pi, np.pi, _PHASES, endpoint=False)
     a, p = (part.ravel() for part in np.meshgrid(offset, phase, indexing="ij"))
     n = a.size
-    gaits = Gaits(
+    gaits = GaitBatch.sinusoidal(
         np.column_stack((a, a)),
         np.tile(np.array(knobs.amplitude), (n, 1)),
         np.column_stack((0 * p, p)),
