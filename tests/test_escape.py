@@ -5,8 +5,9 @@ import pinocchio as pin
 import pytest
 
 import rrrobot as rr
+from rrrobot.drive.gaits import GaitBatch
 from rrrobot.escape.atlas import Atlas
-from rrrobot.escape.bench import Bench, Outcome, Population
+from rrrobot.escape.bench import Bench, Outcome
 from rrrobot.escape.bodies import capsules_of
 from rrrobot.escape.capsules import Capsules, clearances
 from rrrobot.escape.goals import goal_of
@@ -34,7 +35,7 @@ def bench(biped):
     model = rr.FullModel(biped, damping=rocking_damping(bare, UP, 0.15))
     shapes = rr.belly.Shapes.of(biped)
     found = rocking_modes(model, UP)
-    capsules, limbs = capsules_of(biped, shapes, ())
+    capsules, limbs = capsules_of(shapes, ())
     made = Bench(model, capsules, limbs, min(m.decay_rate for m in found))
     made.free_pairs(UP, 0.005)
     return made
@@ -106,9 +107,10 @@ def test_forms_of_small_gaits_predict_travel_and_rocking(bench):
     (small,) = small_gaits(bench, UP, np.array([omega]))
     rng = np.random.default_rng(0)
     a = 0.02 * (rng.normal(size=(6, 6)) + 1j * rng.normal(size=(6, 6)))
-    gaits = Population(
-        np.tile(UP, (6, 1)), a.real[:, None].copy(), a.imag[:, None].copy(), np.full(6, omega)
-    )
+    gaits = GaitBatch(
+        np.tile(UP, (6, 1)), np.zeros((6, 6)), a.real[:, None].copy(), a.imag[:, None].copy(),
+        np.full(6, omega),
+    )  # fmt: skip
     found = bench(gaits, forces=False, clearance=False)
     told = np.real(np.einsum("nj,kjl,nl->nk", a.conj(), small.travel, a))
     for k in range(3):
@@ -170,7 +172,9 @@ def test_gaits_of_a_symmetric_space_do_not_travel_where_they_must_not(bench):
         m = basis.shape[1]
         a = 0.1 * basis @ (rng.normal(size=m) + 1j * rng.normal(size=m))
         offset = symmetric(bench.model.robot, UP + 0.1 * rng.normal(size=6))
-        gait = Population(offset[None], a.real[None, None], a.imag[None, None], np.array([9.0]))
+        gait = GaitBatch(
+            offset[None], 0 * offset[None], a.real[None, None], a.imag[None, None], np.array([9.0])
+        )
         ((x, y, turn),) = bench(gait, forces=False, clearance=False).travel
         assert abs(y) < 1e-3 * max(abs(x), 1e-6), name
         assert abs(turn) < 1e-3 * max(abs(x), 1e-6), name
@@ -194,13 +198,13 @@ def test_goals_say_where_they_lead():
 
 def test_extent_of_gaits_with_harmonics():
     rng = np.random.default_rng(2)
-    gaits = Population(
-        rng.normal(size=(3, 2)), rng.normal(size=(3, 2, 2)), rng.normal(size=(3, 2, 2)),
-        np.array((2.0, 5.0, 9.0)),
+    gaits = GaitBatch(
+        rng.normal(size=(3, 2)), np.zeros((3, 2)), rng.normal(size=(3, 2, 2)),
+        rng.normal(size=(3, 2, 2)), np.array((2.0, 5.0, 9.0)),
     )  # fmt: skip
     low, high, rate = extent(gaits)
     for i in range(3):
-        motion = gaits.rows(np.array([i])).gait(np.linspace(0, 2 * np.pi / gaits[3][i], 4001))
+        motion = gaits.gait(i)(np.linspace(0, 2 * np.pi / gaits.angular_frequency[i], 4001))
         np.testing.assert_allclose(low[i], motion.angle.min(axis=0), atol=0.02)
         np.testing.assert_allclose(high[i], motion.angle.max(axis=0), atol=0.02)
         np.testing.assert_allclose(rate[i], np.abs(motion.rate).max(axis=0), rtol=0.02)
@@ -209,9 +213,9 @@ def test_extent_of_gaits_with_harmonics():
 def test_effort_limits_that_limit_nothing_are_none():
     strong = rr.robot.legged_urdf(2, max_torque=1000.0)
     robot = rr.Robot.from_urdf(strong, shell=rr.Sphere(0.3))
-    assert set(joint_ends(robot, 0.4).unlimited) == set(robot.legs)
+    assert set(joint_ends(robot).unlimited) == set(robot.legs)
     robot = rr.Robot.from_urdf(rr.robot.legged_urdf(2, max_torque=3.0), shell=rr.Sphere(0.3))
-    assert joint_ends(robot, 0.4).unlimited == ()
+    assert joint_ends(robot).unlimited == ()
 
 
 # Polish
@@ -235,7 +239,9 @@ def test_polish_finds_the_constrained_optimum():
     ends = JointEnds(np.full(2, -9.0), np.full(2, 9.0), np.full(2, 99.0), np.full(2, np.inf), ())
     rules = Rules(goal_of("forward"), EscapeLimits(friction=0.25), ends, 0.3, 0.4)
     bench = Landscape()
-    start = Population(np.array([[0.1, -0.2]]), *[np.zeros((1, 1, 2))] * 2, np.array([5.0]))
+    start = GaitBatch(
+        np.array([[0.1, -0.2]]), np.zeros((1, 2)), *[np.zeros((1, 1, 2))] * 2, np.array([5.0])
+    )
     begun = judge(rules, start, bench(start))[0]
     best = polish(bench, rules, begun, np.full(2, 0.5), iterations=60)
     # Within the circle of radius 1/2, x + y/2 is greatest along (2, 1).
@@ -248,7 +254,7 @@ def test_polish_finds_the_constrained_optimum():
 
 
 def test_grown_gaits_keep_within_every_limit(bench):
-    ends = joint_ends(bench.model.robot, 0.3)
+    ends = joint_ends(bench.model.robot)
     rules = Rules(goal_of("forward"), EscapeLimits(), ends, 0.25, 0.3)
     atlas = Atlas(bench, bench.model, UP[None], ends, 0.25, ("all", "opposite"), (0.9, 1.1))
     seeds = atlas.seeds(rules, 4)
@@ -256,7 +262,7 @@ def test_grown_gaits_keep_within_every_limit(bench):
     best = max(atlas.grown(rules, seeds), key=lambda one: (one.valid, one.value))
     assert best.valid and best.value > 0.005
     # What the engine says of it, the general model says too, joint by joint.
-    gait = best.gait.gait
+    gait = best.gait.gait(0)
     period = gait.period
     settled = np.ceil(bench.settle_time / period) * period
     t = rr.simulate(bench.model, gait, settled + 4 * period, period / 96)

@@ -8,8 +8,8 @@ import pytest
 
 import rrrobot as rr
 from rrrobot.belly import MotionLimits, feasibility
-from rrrobot.belly.feasible import placeholders
 from rrrobot.belly.tilting import tilts
+from rrrobot.robot.limits import placeholders
 from tests.test_belly import BALL, board
 
 GAIT = rr.SinusoidalGait(

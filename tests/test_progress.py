@@ -45,7 +45,6 @@ def test_other_wishes_are_refused_in_one_sentence(name, wrong):
 
 
 def test_all_that_take_progress_take_the_same():
-    # `rr.unstick` tells (what, done, total) of work in several parts.
     faces = (rr, rr.simulation, rr.studies, rr.orbits, rr.steering, rr.paper)
     functions = {
         getattr(face, name) for face in faces for name in face.__all__
@@ -54,11 +53,11 @@ def test_all_that_take_progress_take_the_same():
     found = {}
     for function in functions:
         parameter = inspect.signature(function).parameters.get("progress")
-        if parameter is not None and function.__name__ != "unstick":
+        if parameter is not None:
             found[function.__name__] = parameter.annotation
             assert parameter.default in (False, None), function
     assert {"simulate", "decoupled", "sweep", "optimise", "pareto_front", "compare", "plan",
-            "branch", "follow", "reproduce"} <= set(found)  # fmt: skip
+            "branch", "follow", "reproduce", "unstick"} <= set(found)  # fmt: skip
     assert set(found.values()) == {"Progress"}
 
 

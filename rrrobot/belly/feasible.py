@@ -20,12 +20,15 @@ from rrrobot.belly.shapes import Shapes
 from rrrobot.belly.tilting import tilts
 from rrrobot.checks import Array, finite
 from rrrobot.contact.ground import Ground, normals
+from rrrobot.robot.limits import placeholders
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.events import Event, Snapshot
 from rrrobot.simulation.trajectory import Trajectory
 
-_HUGE = 10.0
-"""Effort limit over weight times reach from which it is a placeholder, and no limit."""
+_SHOWN = {"tilt": (float(np.rad2deg(1.0)), " deg"), "clearance": (1e3, " mm"),
+          "separation": (1e3, " mm"), "normal force": (1.0, " N"), "power": (1.0, " W"),
+          "friction": (1.0, "")}  # fmt: skip
+"""Factor and unit in which a violation is told; of joints that turn or slide, SI."""
 _ROUNDING = 1e-9
 
 
@@ -36,13 +39,14 @@ class MotionLimits:
     Attributes:
         normal_force: least force along the ground's normal [N].
         friction: largest friction coefficient that the contact may need.
+        tilt: largest tilt of the belly [rad]; that of its rolling range unless given.
         clearance: least distance of a limb's link from the ground [m].
         separation: least distance of two links that count [m].
         joints: whether the file's limits of position, rate and effort count.
         power: largest sum of the motors' |torque x rate| [W].
 
     Raises:
-        ParameterError: a number that is not finite, or a friction or power below zero.
+        ParameterError: a number that is not finite, or a friction, power or tilt below zero.
 
     Example:
         >>> import rrrobot as rr
@@ -52,13 +56,14 @@ class MotionLimits:
 
     normal_force: float | None = 0.0
     friction: float | None = None
+    tilt: float | None = None
     clearance: float | None = 0.0
     separation: float | None = 0.0
     joints: bool = True
     power: float | None = None
 
     def __post_init__(self) -> None:
-        for name, least in (("friction", 0.0), ("power", 0.0)):
+        for name, least in (("friction", 0.0), ("power", 0.0), ("tilt", 0.0)):
             if getattr(self, name) is not None:
                 finite(name, getattr(self, name), at_least=least)
         for name in ("normal_force", "clearance", "separation"):
@@ -85,9 +90,11 @@ class Violation(NamedTuple):
     """by which it is passed then, above zero"""
 
     def __str__(self) -> str:
+        scale, unit = _SHOWN.get(self.what, (1.0, ""))
         return (
-            f"{self.what} of {self.where}: {self.value:.4g} against {self.limit:.4g} at "
-            f"{self.worst:.4g} s, {self.amount:.3g} too far (first at {self.time:.4g} s)"
+            f"{self.what} of {self.where}: {scale * self.value:.4g}{unit} against "
+            f"{scale * self.limit:.4g}{unit} at {self.worst:.4g} s, "
+            f"{scale * self.amount:.3g}{unit} too far (first at {self.time:.4g} s)"
         )
 
 
@@ -108,8 +115,10 @@ class Feasibility:
     Attributes:
         violations: limits that are passed, the worst of each.
         margins: what is left of each limit over the run, least of all; below zero if passed.
-        peak_friction, peak_power, least_force: of the run [-, W, N].
-        clearance, separation: least distances of the run [m]; of limbs from the ground, of links.
+        peak_friction, peak_tilt, peak_power, least_force: of the run [-, rad, W, N]; the tilt is
+            NaN without a belly.
+        clearance, separation: least distances of the run [m]; of limbs from the ground, but for
+            links that the belly holds, and of links from each other.
         placeholders: joints whose effort limit is far beyond what could ever act, so none.
         distances: from the ground and between links, see `clearances`; None if not asked for.
     """
@@ -117,6 +126,7 @@ class Feasibility:
     violations: tuple[Violation, ...]
     margins: dict[str, float]
     peak_friction: float
+    peak_tilt: float
     peak_power: float
     least_force: float
     clearance: float
@@ -193,11 +203,16 @@ def feasibility(
     for row in rows:
         margins[row.what] = min(margins.get(row.what, np.inf), float(row.margin.min()))
     normal, friction = _contact(samples, t.ground)
-    limb = np.inf if distances is None else float(_limbs(distances, shapes).min(initial=np.inf))
+    limb, tilt = np.inf, np.nan
+    if distances is not None:
+        limb = float(_limbs(distances, shapes, belly).min(initial=np.inf))
+    if belly is not None:
+        tilt = float(max(row.value.max() for row in rows if row.what == "tilt"))
     return Feasibility(
         tuple(v for row in rows for v in _violation(row, t.time)),
         margins,
         float(friction.max()),
+        tilt,
         float(_power(samples).max()),
         float(normal.min()),
         limb,
@@ -245,21 +260,6 @@ def limit_event(
     return Event(least, terminal, -1, "limit")
 
 
-def placeholders(robot: Robot) -> tuple[str, ...]:
-    """Legs whose effort limit nothing could reach: more than ten times M g and a limb's reach."""
-    model, reach = robot.model, [0.0, 0.0]
-    for joint in range(2, model.njoints):
-        above = int(model.parents[joint])
-        step = float(np.linalg.norm(model.jointPlacements[joint].translation))
-        reach.append(reach[above] + step if above > 1 else 0.0)
-    most = _HUGE * robot.mass * 9.81 * max(0.1, *reach)
-    return tuple(
-        leg
-        for leg, effort in zip(robot.legs, robot.joints.effort, strict=True)
-        if np.isfinite(effort) and effort > most
-    )
-
-
 def _rows(
     robot: Robot,
     ground: Ground,
@@ -285,7 +285,8 @@ def _rows(
         add("power", robot.name, _power(at), limits.power, 1)
     if belly is not None:
         tilt, azimuth = tilts(belly, at.configuration, at.position, ground)
-        add("tilt", robot.name, tilt, belly.rolling_range.at(azimuth), 1)
+        most = belly.rolling_range.at(azimuth) if limits.tilt is None else limits.tilt
+        add("tilt", robot.name, tilt, most, 1)
     if distances is not None and limits.clearance is not None:
         covered = () if belly is None else belly.covered
         base = {piece.link for piece in shapes.on_joint(1)}
@@ -323,8 +324,9 @@ def _power(at: Samples) -> Array:
     return np.asarray(np.abs(at.leg_torque * at.leg_rate).sum(axis=1))
 
 
-def _limbs(distances: Clearances, shapes: Shapes) -> Array:
+def _limbs(distances: Clearances, shapes: Shapes, belly: Belly | None) -> Array:
     base = {piece.link for piece in shapes.on_joint(1)}
+    base |= set(() if belly is None else belly.covered)
     return distances.ground[:, [i for i, link in enumerate(distances.links) if link not in base]]
 
 

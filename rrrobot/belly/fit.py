@@ -308,7 +308,10 @@ class _Work:
         if chosen.separation < 0:
             said.append(f"two links are {-1e3 * chosen.separation:.3g} mm in each other")
         if reach.least == 0.0:
-            said.append(f"{reach.link[int(np.argmin(reach.tilt))]} touches the ground at rest")
+            text = f"{reach.link[int(np.argmin(reach.tilt))]} touches the ground at rest"
+            if chosen is best:
+                text += " in the best posture that the joint limits allow: on a rock legs may hang"
+            said.append(text)
         return "; ".join(said)
 
 

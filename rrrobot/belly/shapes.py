@@ -131,6 +131,24 @@ class Shapes:
         touching = always_touching(self.robot, self.pieces, some)
         return [pair for pair in some if pair not in touching]
 
+    def on(self, robot: Robot) -> Shapes:
+        """The pieces on the joints of a robot of the same URDF, some of whose joints are held.
+
+        Pairs that no longer move against each other do not count.
+        """
+        before, after, moved = self.robot.model, robot.model, []
+        for piece in self.pieces:
+            was, now = (
+                model.frames[model.getFrameId(piece.link, pin.FrameType.BODY)]
+                for model in (before, after)
+            )
+            move = now.placement * was.placement.inverse()
+            points = piece.points @ move.rotation.T + move.translation
+            moved.append(piece._replace(joint=int(now.parentJoint), points=points))
+        made = Shapes(robot, tuple(moved), self.missing)
+        made.__dict__["pairs"] = [(i, j) for i, j in self.pairs if moved[i].joint != moved[j].joint]
+        return made
+
     @cached_property
     def geometry(self) -> pin.GeometryModel:
         """Pinocchio's geometry of the pieces, with `pairs` as its pairs."""

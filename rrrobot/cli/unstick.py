@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -118,18 +115,15 @@ def unstick_command(
     if tilt is not None:
         fit["tilt"] = tilt
     tell_of_compiling(quiet=quiet, loads=True)
-    with _bar(quiet=quiet) as progress:
-        progress("fitting the belly", 0, 1)
-        belly = fit_belly(robot_of(robot), **fit)
-        found = unstick(
-            belly, goals=goals or None, joints=names(joints), groups=groups or GROUPS,
-            limits=limits, damping_ratio=damping_ratio, harmonics=harmonics, postures=postures,
-            solutions=solutions, budget=budget, folder=out, progress=progress,
-        )  # fmt: skip
-        files: list[Path] = []
-        if out is not None:
-            progress("writing", 0, 1)
-            files = found.save(out, films=not no_films)
+    found = unstick(
+        fit_belly(robot_of(robot), **fit), goals=goals or None, joints=names(joints),
+        groups=groups or GROUPS, limits=limits, damping_ratio=damping_ratio, harmonics=harmonics,
+        postures=postures, solutions=solutions, budget=budget, folder=out,
+        progress=False if quiet else None,
+    )  # fmt: skip
+    files: list[Path] = []
+    if out is not None:
+        files = found.save(out, films=not no_films)
     tell(found.to_dict(), _table(found), files, as_json=as_json)
     if not found.met:
         told = [f"{name}: {why}" for name, why in found.reasons.items()]
@@ -172,21 +166,3 @@ def _table(found: Unstuck) -> str:
                 rows.append(("", ""))
                 rows += list(gait_rows(gait).items())
     return aligned(rows)
-
-
-@contextmanager
-def _bar(*, quiet: bool) -> Iterator[Any]:
-    """Of what is done now."""
-    if quiet or not sys.stderr.isatty():
-        yield lambda what, now, end: None
-        return
-    from tqdm import tqdm
-
-    with tqdm(leave=False, delay=1.0, file=sys.stderr) as bar:
-
-        def progress(what: str, now: int, end: int) -> None:
-            bar.set_description(what, refresh=False)
-            bar.total = end
-            bar.update(now - bar.n)
-
-        yield progress

@@ -8,8 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from rrrobot.checks import Array
+from rrrobot.drive.gaits import GaitBatch
 from rrrobot.errors import ModelError
-from rrrobot.escape.bench import Bench, Population
+from rrrobot.escape.bench import Bench
 from rrrobot.escape.limits import JointEnds, Rules
 from rrrobot.escape.loss import rocking_modes
 from rrrobot.escape.polish import Judged, judge
@@ -139,9 +140,9 @@ class Atlas:
         """Of each seed, the best of its sizes that the limits allow."""
         k = len(_SCALES)
         swing = np.concatenate([np.outer(_SCALES, seed.amplitude) for seed in seeds])
-        gaits = Population(
-            np.repeat([seed.small.offset for seed in seeds], k, axis=0),
-            swing.real[:, None].copy(), swing.imag[:, None].copy(),
+        offset = np.repeat([seed.small.offset for seed in seeds], k, axis=0)
+        gaits = GaitBatch(
+            offset, np.zeros_like(offset), swing.real[:, None].copy(), swing.imag[:, None].copy(),
             np.repeat([seed.small.omega for seed in seeds], k),
         )  # fmt: skip
         found = judge(rules, gaits, self.bench(gaits))

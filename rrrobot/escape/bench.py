@@ -1,4 +1,4 @@
-"""Populations of gaits on a robot's belly: where they go and how near they come to every limit."""
+"""GaitBatchs of gaits on a robot's belly: where they go and how near they come to every limit."""
 
 from __future__ import annotations
 
@@ -11,10 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.drive.gaits import FourierGait, GaitBatch
+from rrrobot.drive.gaits import GaitBatch
 from rrrobot.escape.capsules import Capsules, clearances
 from rrrobot.models.base import Model
-from rrrobot.momentum.batch import RESULT, Setting, Settled, lower, settled
+from rrrobot.momentum.batch import RESULT, lower, settled
 from rrrobot.momentum.extremes import LOADS, extremes
 from rrrobot.momentum.kernels import ANY, LIFT_OFF, OK
 from rrrobot.momentum.terrain import BOULDER
@@ -28,31 +28,6 @@ _CHUNK = 64
 """Gaits that a thread takes at a time."""
 _COLUMNS = [RESULT.index(name) for name in ("velocity_x", "velocity_y", "yaw_rate")]
 _DECAYED = np.log(1e4)
-
-
-class Population(NamedTuple):
-    """Gaits, one a row: phi = offset + sum over j of sine_j sin(j w t) + cosine_j cos(j w t)."""
-
-    offset: Array
-    """(n, legs) [rad]"""
-    sine: Array
-    """(n, harmonics, legs) [rad]"""
-    cosine: Array
-    """(n, harmonics, legs) [rad]"""
-    angular_frequency: Array
-    """(n,) [rad/s]"""
-
-    def rows(self, which: NDArray[Any]) -> Population:
-        """Some of them."""
-        return Population(*(part[which] for part in self))
-
-    @property
-    def gait(self) -> FourierGait:
-        """The first of them."""
-        return FourierGait(
-            offset=self.offset[0], sine=self.sine[0], cosine=self.cosine[0],
-            angular_frequency=float(self.angular_frequency[0]),
-        )  # fmt: skip
 
 
 class Outcome(NamedTuple):
@@ -96,17 +71,8 @@ class Outcome(NamedTuple):
         return Outcome(*(np.concatenate(columns) for columns in zip(*parts, strict=True)))
 
 
-def _settled(
-    setting: Setting, gaits: Population, cycles: NDArray[np.int64], steps: int
-) -> tuple[GaitBatch, Settled]:
-    """The gaits as the engine takes them, and what they settle to."""
-    offset, sine, cosine, omega = gaits
-    some = GaitBatch(offset, np.zeros_like(offset), sine, cosine, omega)
-    return some, settled(setting, some, cycles=cycles, counted=COUNTED, steps=steps)
-
-
 class Bench:
-    """A model with the capsules of its links, ready for populations.
+    """A model with the capsules of its links, ready for many gaits.
 
     Args:
         model: `FullModel` with damping, on any ground that the engine knows.
@@ -135,11 +101,9 @@ class Bench:
         """After which gaits count [s]."""
         return float(_DECAYED / self.decay)
 
-    def __call__(
-        self, gaits: Population, *, forces: bool = True, clearance: bool = True
-    ) -> Outcome:
+    def __call__(self, gaits: GaitBatch, *, forces: bool = True, clearance: bool = True) -> Outcome:
         """What the gaits do; without forces or clearance, those are NaN."""
-        n = len(gaits.offset)
+        n = gaits.n
         period = 2 * np.pi / gaits.angular_frequency
         cycles = np.ceil(self.settle_time / period).astype(np.int64) + COUNTED
         order = np.argsort(cycles, kind="stable")
@@ -182,16 +146,16 @@ class Bench:
         self.capsules = whole._replace(pairs=np.array(kept, dtype=np.int64).reshape(-1, 2))
 
     def _chunk(
-        self, gaits: Population, cycles: NDArray[np.int64], *, forces: bool, clearance: bool
+        self, gaits: GaitBatch, cycles: NDArray[np.int64], *, forces: bool, clearance: bool
     ) -> Outcome:
         n, legs = gaits.offset.shape
         steps = _STEPS + 8 * (gaits.sine.shape[1] - 1)
-        legs_of, found = _settled(self.setting, gaits, cycles, steps)
+        found = settled(self.setting, gaits, cycles=cycles, counted=COUNTED, steps=steps)
         values = dict(zip(RESULT, found.results.T, strict=True))
         status = np.where(values["status"] == LIFT_OFF, OK, values["status"])
         loads, torque = np.full((n, len(LOADS)), np.nan), np.full((n, legs), np.nan)
         if forces:
-            loads = extremes(self.setting, legs_of, found.motion, torque)
+            loads = extremes(self.setting, gaits, found.motion, torque)
         up = found.motion[:, :, :3]
         height, apart = np.full((n, self.limbs + 1), np.nan), np.full(n, np.nan)
         if clearance:
@@ -213,7 +177,7 @@ class Bench:
                 part[status != OK] = np.nan
         return out
 
-    def _clearances(self, gaits: Population, motion: Array) -> tuple[Array, Array]:
+    def _clearances(self, gaits: GaitBatch, motion: Array) -> tuple[Array, Array]:
         """Least heights (n, limbs + 1) and separations (n,) over the cycle of the motion."""
         steps = motion.shape[1]
         every = max(1, steps // _CLOSE_SAMPLES)

@@ -13,13 +13,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rrrobot.belly.feasible import feasibility
 from rrrobot.belly.found import Belly
 from rrrobot.checks import Array
-from rrrobot.drive.gaits import FourierGait, RampIn
+from rrrobot.drive.gaits import FourierGait, RampIn, SinusoidalGait
 from rrrobot.errors import ModelError, SimulationError, SimulationInterrupted
 from rrrobot.escape.bench import Bench
 from rrrobot.escape.goals import Escape
-from rrrobot.escape.holding import held
 from rrrobot.escape.limits import Rules
 from rrrobot.escape.polish import Judged
 from rrrobot.inline import html_table
@@ -61,7 +61,7 @@ class EscapeGait:
     """
 
     goal: Escape
-    gait: FourierGait
+    gait: SinusoidalGait | FourierGait
     ramp: float
     value: float
     travel: Array
@@ -122,9 +122,9 @@ def confirm(model: Model, bench: Bench, rules: Rules, one: Judged, belly: Belly)
         bench: whose settle time counts.
         rules: goal and limits.
         one: the gait, and what the engine says of it.
-        belly: shapes and rolling range.
+        belly: of the model's robot.
     """
-    gait = one.gait.gait
+    gait = one.gait.gait(0)
     period = gait.period or 0.0
     for ramp in RAMPS:
         drive = RampIn(gait, ramp * period)
@@ -147,10 +147,12 @@ def confirm(model: Model, bench: Bench, rules: Rules, one: Judged, belly: Belly)
             settled = _settled(run, start, one, rules)
             steps = max(_SAMPLES, math.ceil(period / _FINE))
             last = simulate(model, drive, period, period / steps, state=run.final_state)
-        whole, fine = (held(part, rules, belly) for part in (run, last))
-        if problems or fine.broken or not whole.broken:
+        weight = run.robot.mass * run.gravity
+        limits = rules.limits.of(weight)
+        whole, fine = (feasibility(part, limits, belly=belly) for part in (run, last))
+        if problems or not fine.feasible or whole.feasible:
             break
-    problems += [*whole.broken, *fine.broken]
+    problems += [str(one) for one in (*whole.violations, *fine.violations)]
     if settled.discrepancy > AGREE and not problems:
         problems.append(
             f"engine and KKT model differ by {100 * settled.discrepancy:.2g} %: the motion is not "
@@ -160,9 +162,9 @@ def confirm(model: Model, bench: Bench, rules: Rules, one: Judged, belly: Belly)
     power = float(np.abs(last.leg_torque * last.leg_rate).sum(axis=1).mean())
     per = "energy_per_radian" if rules.goal.turns else "energy_per_metre"
     measured = {
-        "friction": fine.friction,
-        "normal_force": fine.normal_force,
-        "tilt": fine.tilt,
+        "friction": fine.peak_friction,
+        "normal_force": fine.least_force / weight,
+        "tilt": fine.peak_tilt,
         "clearance": fine.clearance,
         "separation": fine.separation,
         "power": power,

@@ -20,8 +20,6 @@ from rrrobot.escape.bench import Bench
 from rrrobot.escape.limits import Rules
 from rrrobot.escape.polish import Judged, Scale, polish
 
-Progress = Callable[[int, int], None]
-"""Called with the gaits simulated so far and the budget."""
 _SEEDS, _STARTS, _ENRICHED = 12, 4, 1
 _FIRST_SHARE = 0.65
 """Of the budget, for one harmonic."""
@@ -36,7 +34,7 @@ def find_gaits(
     *,
     budget: int,
     harmonics: int,
-    progress: Progress | None = None,
+    tell: Callable[[int], None] = lambda done: None,
 ) -> list[Judged]:
     """Gaits for a goal, the best first; those within the limits before those that are not.
 
@@ -46,7 +44,7 @@ def find_gaits(
         rules: limits and the goal.
         budget: gaits that may be simulated.
         harmonics: of the gaits.
-        progress: see `Progress`.
+        tell: told how many of the budget are simulated.
 
     Raises:
         GaitError: no gait goes there, or none settles.
@@ -55,8 +53,7 @@ def find_gaits(
 
     def spent(share: float = 1.0) -> bool:
         used = bench.simulated - begun
-        if progress is not None:
-            progress(min(used, budget), budget)
+        tell(min(used, budget))
         return used >= share * budget
 
     seeds = atlas.seeds(rules, _SEEDS)

@@ -7,17 +7,19 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from rrrobot.belly.feasible import MotionLimits
 from rrrobot.checks import Array, finite
-from rrrobot.escape.bench import Outcome, Population
+from rrrobot.drive.gaits import GaitBatch
+from rrrobot.escape.bench import Outcome
 from rrrobot.escape.goals import Escape
+from rrrobot.robot.limits import placeholders
 from rrrobot.robot.robot import Robot
 
-_UNLIMITED = 20.0
-"""An effort limit of so many times weight x reach is what exporters write where nobody gave one."""
-_PHASES = 48
 _VARIATION = 0.01
 LENGTH = 0.1
 """Length that makes a slack of one [m]."""
+TOUCH = 1e-4
+"""Depth up to which neighbours that rest against each other count as apart [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,6 +59,13 @@ class EscapeLimits:
         finite("separation", self.separation, "m")
         finite("use", self.use, above=0)
 
+    def of(self, weight: float) -> MotionLimits:
+        """What a run of a robot of this weight [N] is held against; links may touch."""
+        return MotionLimits(
+            normal_force=self.normal_force * weight, friction=self.friction, tilt=self.tilt,
+            clearance=0.0, separation=-TOUCH,
+        )  # fmt: skip
+
     def to_dict(self) -> dict[str, Any]:
         """As plain data."""
         return asdict(self)
@@ -76,14 +85,12 @@ class JointEnds(NamedTuple):
     """joints whose effort limit is none"""
 
 
-def joint_ends(robot: Robot, length: float) -> JointEnds:
-    """Joint limits of a robot of this length [m] that are limits."""
-    joints, most = robot.joints, _UNLIMITED * robot.mass * 9.81 * length
-    no = joints.effort > most
+def joint_ends(robot: Robot) -> JointEnds:
+    """Joint limits of a robot that are limits."""
+    joints, none = robot.joints, placeholders(robot)
     return JointEnds(
         np.maximum(joints.lower, -2 * np.pi), np.minimum(joints.upper, 2 * np.pi),
-        joints.velocity, np.where(no, np.inf, joints.effort),
-        tuple(name for name, none in zip(robot.legs, no, strict=True) if none),
+        joints.velocity, np.where(np.isin(robot.legs, none), np.inf, joints.effort), none,
     )  # fmt: skip
 
 
@@ -98,7 +105,7 @@ class Rules(NamedTuple):
     length: float
     """of the robot [m]"""
 
-    def slacks(self, gaits: Population, out: Outcome) -> tuple[tuple[str, ...], Array]:
+    def slacks(self, gaits: GaitBatch, out: Outcome) -> tuple[tuple[str, ...], Array]:
         """Names, and how far inside each limit the gaits are (n, k)."""
         limits, ends = self.limits, self.ends
         low, high, rate = extent(gaits)
@@ -140,15 +147,10 @@ def _below(value: Array, most: Any) -> Array:
     return np.asarray((1.0 - ratio) / (1.0 + ratio))
 
 
-def extent(gaits: Population) -> tuple[Array, Array, Array]:
+def extent(gaits: GaitBatch) -> tuple[Array, Array, Array]:
     """Least and greatest position and greatest rate of each leg, each (n, legs)."""
-    w = gaits.angular_frequency[:, None]
+    swing, rate = gaits.extent()
     if gaits.sine.shape[1] == 1:
-        swing = np.hypot(gaits.sine[:, 0], gaits.cosine[:, 0])
-        return gaits.offset - swing, gaits.offset + swing, swing * w
-    harmonic = np.arange(1, gaits.sine.shape[1] + 1)
-    turn = np.multiply.outer(2 * np.pi * np.arange(_PHASES) / _PHASES, harmonic)
-    s, c = np.sin(turn), np.cos(turn)
-    angle = s @ gaits.sine + c @ gaits.cosine + gaits.offset[:, None]
-    rate = (c * harmonic) @ gaits.sine - (s * harmonic) @ gaits.cosine
-    return angle.min(axis=1), angle.max(axis=1), np.abs(rate).max(axis=1) * w
+        return gaits.offset - swing, gaits.offset + swing, rate
+    motion = gaits.swing()[0]
+    return gaits.offset + motion.min(axis=1), gaits.offset + motion.max(axis=1), rate

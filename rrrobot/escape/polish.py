@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.escape.bench import Bench, Outcome, Population
+from rrrobot.drive.gaits import GaitBatch
+from rrrobot.escape.bench import Bench, Outcome
 from rrrobot.escape.limits import Rules
 
 _STEP = 1e-3
@@ -35,9 +36,9 @@ class Scale(NamedTuple):
     """(legs,) [rad]"""
     harmonics: int
 
-    def points(self, gaits: Population) -> Array:
+    def points(self, gaits: GaitBatch) -> Array:
         """Points (n, m) of gaits."""
-        n, h = len(gaits.offset), gaits.sine.shape[1]
+        n, h = gaits.n, gaits.sine.shape[1]
         parts = [gaits.offset / self.room]
         for coefficients in (gaits.sine, gaits.cosine):
             padded = np.zeros((n, self.harmonics, self.room.size))
@@ -45,14 +46,14 @@ class Scale(NamedTuple):
             parts.append(padded.reshape(n, -1))
         return np.column_stack((*parts, np.log(gaits.angular_frequency)))
 
-    def gaits(self, points: Array) -> Population:
+    def gaits(self, points: Array) -> GaitBatch:
         """Gaits of points (n, m)."""
         legs, n = self.room.size, len(points)
         edges = legs * np.array((1, 1 + self.harmonics, 1 + 2 * self.harmonics))
         offset, sine, cosine, log = np.split(points, edges, axis=1)
         shape = (n, self.harmonics, legs)
-        return Population(
-            offset * self.room, sine.reshape(shape) * self.room,
+        return GaitBatch(
+            offset * self.room, np.zeros((n, legs)), sine.reshape(shape) * self.room,
             cosine.reshape(shape) * self.room, np.exp(log[:, 0]),
         )  # fmt: skip
 
@@ -60,7 +61,7 @@ class Scale(NamedTuple):
 class Judged(NamedTuple):
     """One gait, what it does, and how good that is."""
 
-    gait: Population
+    gait: GaitBatch
     outcome: Outcome
     value: float
     """of the goal; minus infinity where the gait stopped or does not settle"""
@@ -81,7 +82,7 @@ class Judged(NamedTuple):
         return self.value > other.value if self.valid else self.slack > other.slack
 
 
-def judge(rules: Rules, gaits: Population, out: Outcome) -> list[Judged]:
+def judge(rules: Rules, gaits: GaitBatch, out: Outcome) -> list[Judged]:
     """Gaits with their values and least slacks."""
     names, slacks = rules.slacks(gaits, out)
     found = []

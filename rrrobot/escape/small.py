@@ -25,7 +25,8 @@ import scipy.linalg
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.escape.bench import Bench, Population
+from rrrobot.drive.gaits import GaitBatch
+from rrrobot.escape.bench import Bench
 from rrrobot.momentum.kernels import OK
 
 Complex = NDArray[np.complex128]
@@ -55,9 +56,9 @@ def small_gaits(bench: Bench, offset: Array, omegas: Array) -> list[SmallGaits]:
     eye = np.eye(legs, dtype=complex)
     units = np.concatenate((eye, eye[first] + eye[second], eye[first] + 1j * eye[second]))
     swing = SMALL * np.tile(units, (len(omegas), 1))
-    gaits = Population(
-        np.tile(offset, (len(swing), 1)), swing.real[:, None].copy(), swing.imag[:, None].copy(),
-        np.repeat(omegas, len(units)),
+    gaits = GaitBatch(
+        np.tile(offset, (len(swing), 1)), np.zeros(swing.shape), swing.real[:, None].copy(),
+        swing.imag[:, None].copy(), np.repeat(omegas, len(units)),
     )  # fmt: skip
     found = bench(gaits, forces=False, clearance=False)
     out, m = [], len(pairs)

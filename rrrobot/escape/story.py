@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -24,10 +25,9 @@ from rrrobot.escape.spaces import GROUPS
 from rrrobot.escape.stances import stances
 from rrrobot.escape.unstuck import Unstuck
 from rrrobot.models.full import FullModel
+from rrrobot.progress import Progress, Tell, checked_progress, progress_of
 from rrrobot.robot.robot import Robot
 
-Progress = Callable[[str, int, int], None]
-"""Called with what is done now, how far it is, and how far it goes."""
 _TRIED = 5
 """Gaits that the KKT system simulates for a goal until enough are confirmed."""
 
@@ -47,7 +47,7 @@ def unstick(
     solutions: int = 1,
     budget: int = 8000,
     folder: str | Path | None = None,
-    progress: Progress | None = None,
+    progress: Progress = False,
 ) -> Unstuck:
     """Find how a robot that lies on its belly can move, and show that nothing breaks.
 
@@ -69,7 +69,7 @@ def unstick(
         solutions: unlike gaits wanted for each goal.
         budget: gaits that may be simulated for a goal.
         folder: where results are kept as they come; a run that was interrupted goes on from there.
-        progress: see `Progress`.
+        progress: in gaits of the goals' budgets; see `rrrobot.progress`.
 
     Returns:
         an `Unstuck`. Where no gait is feasible it says why.
@@ -90,12 +90,8 @@ def unstick(
     ):  # fmt: skip
         if isinstance(number, bool) or number not in range(1, most + 1):
             raise ParameterError(f"{name} is {number!r}: it must be a whole number, 1 to {most}.")
-    tell = progress or (lambda what, now, end: None)
-    if isinstance(robot, Belly):
-        belly = robot
-    else:
-        tell("fitting the belly", 0, 1)
-        belly = fit_belly(robot, ground=ground)
+    checked_progress(progress)
+    belly = robot if isinstance(robot, Belly) else fit_belly(robot, ground=ground)
     if goals is None:
         goals = ROCK if isinstance(belly.ground, Boulder) else USUAL
     wanted = [goal_of(goal) for goal in goals]
@@ -103,22 +99,31 @@ def unstick(
     left = [goal for goal in wanted if goal.name not in found.done]
     if not left:
         return found
-    if not belly.stable:
+    if not belly.stable or belly.rolling_range.least <= 0:
         return found.stopped(belly.reason)
     work: _Work | None = None
-    for goal in left:
-        try:
-            if work is None:
-                work = _Work(
-                    belly, limits, joints, tuple(groups), damping, damping_ratio, postures, tell
+    with progress_of(progress, "postures", budget * len(left), "gaits") as told:
+        tell = told or (lambda done, part="": None)
+        for i, goal in enumerate(left):
+            try:
+                if work is None:
+                    work = _Work(
+                        belly, limits, joints, tuple(groups), damping, damping_ratio, postures
+                    )
+                    found = found.known(work.model, work.ends.unlimited)
+                gaits = work.gaits(
+                    goal, budget, harmonics, solutions, partial(_add, tell, i * budget)
                 )
-                found = found.known(work.model, work.ends.unlimited)
-            gaits = work.gaits(goal, budget, harmonics, solutions, tell)
-        except (GaitError, ModelError) as error:
-            found = found.failed(goal, str(error))
-            continue
-        found = found.reached(goal, gaits)
+            except (GaitError, ModelError) as error:
+                found = found.failed(goal, str(error))
+            else:
+                found = found.reached(goal, gaits)
+            tell((i + 1) * budget)
     return found
+
+
+def _add(tell: Tell, before: float, done: float, part: str) -> None:
+    tell(before + done, part)
 
 
 class _Work:
@@ -133,17 +138,16 @@ class _Work:
         damping: Any,
         ratio: float,
         postures: int,
-        tell: Progress,
     ) -> None:
+        if joints is not None:
+            belly = with_legs(belly, tuple(joints))
         self.belly, self.limits = belly, limits
         robot, posture = belly.robot, belly.posture
-        if joints is not None:
-            robot, posture = with_legs(robot, posture, tuple(joints))
         bare = FullModel(robot, ground=belly.ground, damping=None)
         loss = rocking_damping(bare, posture, ratio) if damping is None else damping
         self.model = FullModel(robot, ground=belly.ground, damping=loss)
         self.length = base_length(belly.shapes)
-        self.ends = joint_ends(robot, self.length)
+        self.ends = joint_ends(robot)
         self.tilt = float(belly.rolling_range.least if limits.tilt is None else limits.tilt)
         rocking = rocking_modes(self.model, posture)
         decay = min((mode.decay_rate for mode in rocking), default=0.0)
@@ -151,29 +155,27 @@ class _Work:
             raise ModelError(
                 "the rocking about the rest does not decay, so no gait settles: give a damping."
             )
-        capsules, limbs = capsules_of(robot, belly.shapes, belly.covered)
+        capsules, limbs = capsules_of(belly.shapes, belly.covered)
         self.bench = Bench(self.model, capsules, limbs, decay)
         self.bench.free_pairs(posture, limits.separation)
-        tell("looking about postures", 0, 1)
         about = stances(robot, self.bench, posture, self.ends, limits, postures)
         self.atlas = Atlas(self.bench, self.model, about, self.ends, self.tilt, groups)
 
     def gaits(
-        self, goal: Escape, budget: int, harmonics: int, solutions: int, tell: Progress
+        self, goal: Escape, budget: int, harmonics: int, solutions: int, tell: Tell
     ) -> list[EscapeGait]:
         """Confirmed gaits, the best first; if none is, the nearest."""
         rules = Rules(goal, self.limits, self.ends, self.tilt, self.length)
         found = find_gaits(
             self.bench, self.atlas, rules, budget=budget, harmonics=harmonics,
-            progress=lambda now, end: tell(f"searching {goal.name}", now, end),
+            tell=lambda done: tell(done, f"searching {goal.name}"),
         )  # fmt: skip
         confirmed: list[EscapeGait] = []
         tried: list[EscapeGait] = []
-        for i, one in enumerate(found[:_TRIED]):
-            tell(f"confirming {goal.name}", i, _TRIED)
+        for one in found[:_TRIED]:
+            tell(budget, f"confirming {goal.name}")
             gait = confirm(self.model, self.bench, rules, one, self.belly)
             (confirmed if gait.met else tried).append(gait)
             if len(confirmed) == solutions:
                 break
-        tell(f"confirming {goal.name}", _TRIED, _TRIED)
         return confirmed or tried[:1]

@@ -111,8 +111,8 @@ class Unstuck:
     def stopped(self, reason: str) -> Unstuck:
         """With no goal reached, for one reason."""
         said = (
-            f"{reason.rstrip('.')}. Try form='ellipsoid' or a larger tilt in fit_belly, legs lower "
-            "with posture=, or, on a rock, a larger boulder."
+            f"{reason.rstrip('.')}. Try another form= or tilt= in fit_belly, other legs with "
+            "posture=, or another ground=: on a rock legs may hang, and a larger one tips less."
         )
         return replace(self, reasons={goal.name: said for goal in self.goals})._kept()
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 from xml.etree.ElementTree import Element
 
 import numpy as np
@@ -20,9 +20,14 @@ import numpy as np
 from rrrobot.checks import Array
 from rrrobot.robot.mimics import Coupling
 
+if TYPE_CHECKING:
+    from rrrobot.robot.robot import Robot
+
 CREEP = 0.01
 """Rate below which friction is viscous [rad/s or m/s]."""
 _ROUNDING = 1e-9
+_HUGE = 10.0
+"""Effort limit over weight times reach from which it is a placeholder, and no limit."""
 
 
 class LegJoints(NamedTuple):
@@ -95,6 +100,24 @@ def leg_joints(tree: Element, legs: Sequence[str], follow: Mapping[str, Coupling
     for array in found:
         array.flags.writeable = False
     return found
+
+
+def placeholders(robot: Robot) -> tuple[str, ...]:
+    """Legs whose effort limit nothing could reach: more than ten times M g and a limb's reach.
+
+    Exporters write such numbers, 1000 N m or more, where nobody gave one.
+    """
+    model, reach = robot.model, [0.0, 0.0]
+    for joint in range(2, model.njoints):
+        above = int(model.parents[joint])
+        step = float(np.linalg.norm(model.jointPlacements[joint].translation))
+        reach.append(reach[above] + step if above > 1 else 0.0)
+    most = _HUGE * robot.mass * 9.81 * max(0.1, *reach)
+    return tuple(
+        leg
+        for leg, effort in zip(robot.legs, robot.joints.effort, strict=True)
+        if np.isfinite(effort) and effort > most
+    )
 
 
 def beyond(
