@@ -202,6 +202,9 @@ def test_limbs_and_their_images():
     # The whole robot's centre of mass mirrors, but for the base's own misprints of a few mm.
     assert data[1].com[0] == pytest.approx(data[0].com[0] * (1, -1, 1), abs=2e-3)
     assert symmetry_of(rr.Robot.from_example("bolt", shell=rr.Sphere(0.3)), "front-back") is None
+    # Legs that mirror each other but for their knees, which all bend one way.
+    b1 = rr.Robot.from_example("b1", shell=rr.Sphere(0.3))
+    assert symmetry_of(b1, "left-right") is not None and symmetry_of(b1, "front-back") is None
 
 
 def test_a_real_robot_on_a_rock_and_on_the_floor():

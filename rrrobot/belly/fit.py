@@ -37,6 +37,8 @@ _SIMPLER = 1.3
 """Gap over that of the next form up to which the simpler form is taken."""
 _LEANS = 0.25
 """Part of the tilt by which a round shell may lean at rest and stay where its fit has put it."""
+_FITS = 3
+"""At most, after the first: each changes the posture, and that what is to be held."""
 _ROOM = 0.06
 """Clearance that is wanted of a posture, over the base's width."""
 
@@ -102,15 +104,20 @@ def fit_belly(
     else:
         begin = angle = vector("posture", posture, robot.n_legs, "rad", broadcast=True)
     below = underside(shapes, begin, work.cone)
-    belly, middle = None, None
-    while belly is None:
+    middle: Array | None = None
+    for left in range(_FITS, -1, -1):
         fitted = work.fitted(below, form, begin, middle)
         found = work.posture(below, fitted)
         chosen = found if angle is None else work.given(fitted, angle)
         belly = work.belly(below, fitted, chosen, found)
-        if middle is None and work.leans(belly):
+        if left and middle is None and work.leans(belly):
             # The belly's middle is far from the centre of mass: fit one that is not.
-            belly, middle = None, work.center_of_mass(chosen.leg_angle)[:2]
+            middle = work.center_of_mass(chosen.leg_angle)[:2]
+        elif left and work.pokes(belly):
+            # Hips that the shell held before the posture turned them: fit them as they are now.
+            below = underside(shapes, chosen.leg_angle, work.cone)
+        else:
+            break
     return belly
 
 
@@ -140,6 +147,13 @@ class _Work:
         if isinstance(belly.shell, FlatBelly) or belly.margin.min() <= 0:
             return False
         return belly.rest is None or bool(np.abs(belly.rest[:2]).max() > _LEANS * self.tilt)
+
+    def pokes(self, belly: Belly) -> bool:
+        """Whether a link that the shell was to hold pokes out of it within the range."""
+        return any(
+            link in belly.covered and tilt < self.tilt
+            for link, tilt in zip(belly.rolling_range.link, belly.rolling_range.tilt, strict=True)
+        )
 
     def fitted(
         self, below: Underside, form: str, leg_angle: Array, middle: Array | None
@@ -224,7 +238,9 @@ class _Work:
         kind, fit = fitted
         if kind == "flat":
             fit = self._flat(below, chosen.leg_angle)
-            fit = fit._replace(error=_flat_error(self, below, fit))
+            at = self._touches(fit)
+            gap = Gauge(below.base, at.curvature)(at).min(axis=1)
+            fit = fit._replace(error=float(np.abs(gap).max()))
         robot = with_shell(self.robot, fit.shell, fit.center)
         model = FullModel(robot, ground=self.ground, damping=None)
         height, radii = standing(model, chosen.leg_angle)
@@ -313,12 +329,6 @@ class _Work:
                 text += " in the best posture that the joint limits allow: on a rock legs may hang"
             said.append(text)
         return "; ".join(said)
-
-
-def _flat_error(work: _Work, below: Underside, fit: Fit) -> float:
-    """Largest distance between a flat belly and its boulder, over places on it [m], by Coal."""
-    at = work._touches(fit)
-    return float(np.abs(Gauge(below.base, at.curvature)(at).min(axis=1)).max())
 
 
 def with_shell(robot: Robot, shell: Surface, center: Array) -> Robot:

@@ -5,7 +5,9 @@ pi of the legs and signs e with
 
     S (body of leg i at phi) = body of leg pi(i) at phi',      phi'_pi(i) = e_i phi_i
 
-The bodies' centres of mass and joint axes tell it, at leg angles of no symmetry.
+The bodies' centres of mass and joint axes tell it, at leg angles of no symmetry. The limits of the
+joints have to be each other's images too: legs alike but for their knees, which all bend one way,
+do not mirror each other from front to back.
 """
 
 from __future__ import annotations
@@ -30,6 +32,8 @@ SYMMETRIES = {
 """Diagonal of S in the base's frame, x to the front and y to the left."""
 _CLOSE = 0.02
 """Part of the robot's reach by which images may miss each other: real robots' files differ."""
+_ALIKE = 0.05
+"""By which limits of joints that mirror each other may differ [rad or m]."""
 
 
 class Symmetry(NamedTuple):
@@ -99,7 +103,15 @@ def symmetry_of(robot: Robot, kind: str) -> Symmetry | None:
         if miss > _CLOSE * places.reach or np.any(source[list(other)] >= 0):
             return None
         source[list(other)], sign[list(other)] = chain, signs
-    return Symmetry(source, sign)
+    found = Symmetry(source, sign)
+    return found if _mirrors_limits(robot, found) else None
+
+
+def _mirrors_limits(robot: Robot, found: Symmetry) -> bool:
+    """Whether the range of each joint, within a turn either way, is the image of another's."""
+    ends = np.array((robot.joints.lower, robot.joints.upper)).clip(-2 * np.pi, 2 * np.pi)
+    images = np.sort(found.image(ends), axis=0)
+    return bool(np.abs(images - ends).max(initial=0.0) <= _ALIKE)
 
 
 class _Places:
