@@ -19,7 +19,7 @@ lines = []
 written = []
 for name, (speed, yaw_rate) in REFERENCE.items():
     trajectory = rr.simulate(model, rr.gait(name), duration=DURATION, progress=True)
-    settled = trajectory.steady_state(start=SETTLED)
+    settled = trajectory.steady_state(after=SETTLED)
     for symbol, unit, value, reference in (
         ("v", "m/s", settled.speed, speed),
         ("alpha", "rad/s", settled.yaw_rate, yaw_rate),

@@ -13,7 +13,7 @@ robot = rr.Robot.from_parameters()
 
 # (yaw, leg 1, leg 2) from and to, within what the legs may do.
 start, goal = (0.0, 1.2, 1.6), (np.pi / 4, 1.8, 1.0)
-plan = rr.steering.plan_yaw(robot, start, goal, limits=(0.4, 2.7))
+plan = rr.steering.plan_yaw(robot, start, goal, angle_range=(0.4, 2.7))
 print(f"{plan.duration:.1f} s of leg motion")
 
 motion = rr.simulate(rr.YawModel(robot), plan.gait, plan.duration, 0.05, start="rest")

@@ -308,7 +308,7 @@ def test_no_steady_state_says_why() -> None:
     assert "no period" in still
     # Cycles are counted after the ramp.
     ramped = simulated("--duration", "6", "--ramp", "3.5")
-    assert ramped["steady_state"]["start"] >= 3.5
+    assert ramped["steady_state"]["after"] >= 3.5
 
 
 def test_lift_off_is_said_and_json_has_no_infinity() -> None:

@@ -61,7 +61,7 @@ def test_a_target_out_of_reach_is_printed_and_fails(tmp_path: Path) -> None:
 
 def test_the_front_is_drawn(tmp_path: Path) -> None:
     picture, path = tmp_path / "front.png", tmp_path / "front.json"
-    result = run(*QUICK, "--budget", "600", "--pareto", picture, "--points", "4", "--cost",
+    result = run(*QUICK, "--budget", "600", "--pareto", picture, "--n-points", "4", "--cost",
                  "power", "--tied", "--out", path)  # fmt: skip
     assert result.exit_code == 0, result.output
     assert picture.read_bytes().startswith(b"\x89PNG")
@@ -93,7 +93,7 @@ def test_another_robot_and_its_limits() -> None:
         (("--goal", "efficient", "--cost", "power"), 1, "cost is 'power'"),
         (("--budget", "5"), 1, "at least 100"),
         (("--seed", "-2"), 1, "seed is -2"),
-        (("--points", "5"), 2, "with --pareto only"),
+        (("--n-points", "5"), 2, "with --pareto only"),
         (("--pareto", "front.gif"), 1, "ends in .png or .pdf or .svg"),
         (("--pareto", "front.png", "--speed", "1"), 2, "do not go with --pareto"),
         (("--pareto", "missing/front.png"), 1, "no folder"),

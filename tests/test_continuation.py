@@ -129,7 +129,7 @@ def test_points_of_a_branch_are_limit_cycles():
 def test_save_resume_and_plot(tmp_path):
     c = rr.limit_cycle(FULL, rr.gait("circular"))
     store = tmp_path / "branch.nc"
-    part = rr.orbits.branch(c, "amplitude", to=0.6, points=4, store=store)
+    part = rr.orbits.branch(c, "amplitude", to=0.6, n_points=4, store=store)
     assert "4 points" in part.ended
     whole = rr.orbits.branch(c, "amplitude", to=0.6, store=store)
     direct = rr.orbits.branch(c, "amplitude", to=0.6)

@@ -266,7 +266,7 @@ def test_grown_gaits_keep_within_every_limit(bench):
     period = gait.period
     settled = np.ceil(bench.settle_time / period) * period
     t = rr.simulate(bench.model, gait, settled + 4 * period, period / 96)
-    state, last = t.steady_state(start=settled - 1e-9), slice(-97, None)
+    state, last = t.steady_state(after=settled - 1e-9), slice(-97, None)
     np.testing.assert_allclose(state.velocity[0], best.value, rtol=2e-3)
     torque = np.abs(t.leg_torque[last]).max(axis=0)
     np.testing.assert_allclose(best.outcome.torque[0], torque, rtol=5e-3, atol=1e-3)

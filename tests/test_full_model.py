@@ -232,7 +232,7 @@ def test_yaw_damping_sets_the_turning(robot):
 
     def turning(model):
         t = rr.simulate(model, rr.gait("circular"), duration=40.0, sample_interval=0.02)
-        return t.steady_state(start=30.0).yaw_rate
+        return t.steady_state(after=30.0).yaw_rate
 
     light = turning(rr.FullModel(robot, damping=(0.01, 0.01, 0.001)))
     pivoting = turning(rr.PivotingModel(robot))

@@ -83,7 +83,7 @@ def test_a_sweep_of_every_kind_gives_the_steady_states_of_simulations() -> None:
             FULL, gait, CYCLES * gait.period, gait.period / 200, method="momentum",
             step=gait.period / 400,
         )  # fmt: skip
-        state = t.steady_state(start=(CYCLES - int(ds.attrs["counted"])) * gait.period)
+        state = t.steady_state(after=(CYCLES - int(ds.attrs["counted"])) * gait.period)
         row = ds.isel(gait=i)
         close = 2e-4 if name in ("sampled", "callable") else 1e-5
         assert float(row.speed) == pytest.approx(state.speed, rel=close, abs=1e-9), name

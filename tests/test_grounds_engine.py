@@ -172,7 +172,7 @@ def test_steady_states_are_those_of_a_simulation(name):
     )
     period = 2 * np.pi / 8
     t = rr.simulate(full, gait, 38 * period, period / 80, method="momentum", step=period / 80)
-    steady = t.steady_state(start=18 * period)
+    steady = t.steady_state(after=18 * period)
     row = dict(zip((*RESULT, "friction", "rms", "peak", "power"), found[1], strict=True))
     assert row["status"] == OK
     assert row["speed"] == pytest.approx(steady.speed, rel=2e-5)

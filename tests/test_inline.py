@@ -61,7 +61,7 @@ def results(robot, run):
         rr.FullModel(robot), FastestTravel(), offset=1.2, amplitude=0.3, angular_frequency=8.0,
         phase_difference=1.5, settle_time=3.0,
     )  # fmt: skip
-    front = rr.pareto_front(rr.FullModel(robot), points=3, budget=400, settle_time=8.0, tied=True)
+    front = rr.pareto_front(rr.FullModel(robot), n_points=3, budget=400, settle_time=8.0, tied=True)
     return {
         "mass": robot,
         "damping": rr.FullModel(robot),

@@ -15,7 +15,7 @@ def robot_of(*args, **options):
 @pytest.mark.parametrize("legs", [1, 2, 3, 4, 6, 7])
 @pytest.mark.parametrize("joints", [1, 2, 3])
 def test_masses_joints_and_reach(legs, joints):
-    robot = robot_of(legs, joints=joints, body_mass=2.0, leg_mass=0.5)
+    robot = robot_of(legs, n_joints=joints, body_mass=2.0, leg_mass=0.5)
     assert robot.n_legs == legs * joints
     assert robot.mass == pytest.approx(2.0 + 0.5 * legs, rel=1e-12)
     # Straight down, each leg's mass is nowhere beside its hip.
@@ -37,7 +37,7 @@ def test_hexapod_is_symmetric_and_balanced():
 
 
 def test_inertia_of_a_leg_is_a_rods():
-    robot = robot_of(1, joints=1, thigh_length=0.2, shank_length=0.3, leg_mass=0.7)
+    robot = robot_of(1, n_joints=1, thigh_length=0.2, shank_length=0.3, leg_mass=0.7)
     body = robot.model.inertias[robot.model.getJointId("C_hfe")]
     radius = 0.09 * 0.2
     np.testing.assert_allclose(body.lever, (0, 0, -0.25))
@@ -54,12 +54,12 @@ def test_limits_are_those_given():
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"legs": 0}, "legs is 0: it must be a whole number, 1 to 40"),
-        ({"legs": True}, "legs is True"),
-        ({"legs": 4, "joints": 4}, "joints is 4: it must be a whole number, 1 to 3"),
-        ({"legs": 4, "body_size": (0.1, 0, 0.1)}, "each must be greater than zero"),
-        ({"legs": 4, "leg_mass": -1}, "leg_mass is -1"),
-        ({"legs": 4, "max_torque": float("nan")}, "max_torque is nan"),
+        ({"n_limbs": 0}, "n_limbs is 0: it must be a whole number, 1 to 40"),
+        ({"n_limbs": True}, "n_limbs is True"),
+        ({"n_limbs": 4, "n_joints": 4}, "n_joints is 4: it must be a whole number, 1 to 3"),
+        ({"n_limbs": 4, "body_size": (0.1, 0, 0.1)}, "each must be greater than zero"),
+        ({"n_limbs": 4, "leg_mass": -1}, "leg_mass is -1"),
+        ({"n_limbs": 4, "max_torque": float("nan")}, "max_torque is nan"),
     ],
 )
 def test_bad_parameters_are_named(options, message):

@@ -71,7 +71,7 @@ def test_what_two_hundred_cycles_come_to(name, model):
     long = rr.simulate(
         kind, gait, 200 * gait.period, gait.period / 40, method="momentum", step=gait.period / 80
     )
-    s = long.steady_state(start=150 * gait.period)
+    s = long.steady_state(after=150 * gait.period)
     travelled_the_same(c, long, 40)
     assert c.residual <= 1e-12
     assert c.stable
@@ -173,7 +173,7 @@ def test_trajectory_screw_and_centre():
 def test_decoupled_is_the_three_models_together():
     models, gait = rr.models.DecoupledModels(ROBOT), rr.gait("circular")
     c = limit_cycle(models, gait)
-    s = rr.decoupled(ROBOT, gait, 40.0, 0.03).steady_state(start=30.0)
+    s = rr.decoupled(ROBOT, gait, 40.0, 0.03).steady_state(after=30.0)
     assert c.speed == pytest.approx(s.speed, rel=1e-7)
     assert c.yaw_rate == pytest.approx(s.yaw_rate, rel=1e-7)
     t = c.trajectory(2 * c.period, c.period / 40)
@@ -194,7 +194,7 @@ def test_a_cycle_twice_has_squared_multipliers():
 
 def test_starts_from_a_neighbour():
     near = limit_cycle(FULL, rr.gait("circular", amplitude=0.29))
-    c = limit_cycle(FULL, rr.gait("circular"), start=near)
+    c = limit_cycle(FULL, rr.gait("circular"), near=near)
     far = limit_cycle(FULL, rr.gait("circular"))
     np.testing.assert_allclose(c.point, far.point, atol=1e-11)
     assert c.iterations < far.iterations

@@ -50,7 +50,7 @@ def target(model: rr.FullModel) -> OptimisedGait:
 @pytest.fixture(scope="module")
 def front(model: rr.FullModel) -> ParetoFront:
     return pareto_front(
-        model, points=6, budget=3000, settle_time=SETTLE, tied=True, offset=(1.2, 1.9)
+        model, n_points=6, budget=3000, settle_time=SETTLE, tied=True, offset=(1.2, 1.9)
     )
 
 
@@ -281,7 +281,7 @@ def test_limits_hold_in_a_kkt_simulation(model: rr.FullModel) -> None:
     assert 0.04 < t.required_friction[late].max() < 0.05
     assert np.abs(t.leg_torque[late]).max() < 0.06
     assert np.abs(t.euler[:, 1]).max() < 0.4
-    assert abs(t.steady_state(start=18.0).curvature) < 0.5
+    assert abs(t.steady_state(after=18.0).curvature) < 0.5
     motion = best.gait(np.linspace(0, 3, 2000))
     assert np.abs(motion.acceleration).max() < 60.0
     assert best.value > 0.005

@@ -21,7 +21,7 @@ LONG = {
     ),
     "compare": lambda p: rr.studies.compare(MODEL.robot, GAIT, 6.0, method="momentum", progress=p),
     "branch": lambda p: rr.orbits.branch(
-        rr.limit_cycle(MODEL, GAIT), "amplitude", to=0.31, points=2, progress=p
+        rr.limit_cycle(MODEL, GAIT), "amplitude", to=0.31, n_points=2, progress=p
     ),
 }  # fmt: skip
 

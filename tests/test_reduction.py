@@ -173,13 +173,13 @@ def test_one_leg_gait(robot):
 
 
 def test_zero_set_is_known_lines(connection):
-    lines = zero_set(connection, limits=(0.1, 3.0), resolution=25)
+    lines = zero_set(connection, angle_range=(0.1, 3.0), resolution=25)
     assert len(lines) == 1
     assert np.abs(lines[0].sum(axis=1) - np.pi).max() < 1e-12
-    whole = np.concatenate(zero_set(connection, limits=(-1.5, 4.5), resolution=24))
+    whole = np.concatenate(zero_set(connection, angle_range=(-1.5, 4.5), resolution=24))
     nearest = np.min(np.abs([np.sin(whole[:, 0]), np.sin(whole[:, 1]), np.cos(whole).sum(1)]), 0)
     assert np.quantile(nearest, 0.8) < 1e-12
-    first, second, heights = height_grid(connection, limits=[(0, 1), (1, 3)], resolution=4)
+    first, second, heights = height_grid(connection, angle_range=[(0, 1), (1, 3)], resolution=4)
     assert heights[1, 3] == connection.height((first[1], second[3]))
 
 
@@ -239,13 +239,13 @@ def test_controllability(connection):
 
 
 def test_best_cycle_follows_the_zero_set(connection):
-    best = optimal_cycle(connection, limits=(-0.2, 2.9))
+    best = optimal_cycle(connection, angle_range=(-0.2, 2.9))
     assert 0.98 < best.net_yaw / best.region_yaw < 1.001
     # The region is bounded by the lines phi_1 = 0, phi_2 = 0, phi_1 + phi_2 = pi.
     path = best.gait(np.linspace(0, best.gait.period, 400)).angle
     away = np.min([np.abs(path[:, 0]), np.abs(path[:, 1]), np.abs(path.sum(1) - np.pi)], axis=0)
     assert np.median(away) < 0.03
-    grown = optimal_cycle(connection, limits=(0.5, 1.4), harmonics=4)
+    grown = optimal_cycle(connection, angle_range=(0.5, 1.4), harmonics=4)
     inside = grown.gait(np.linspace(0, grown.gait.period, 999)).angle
     assert inside.min() >= 0.5 - 1e-12 and inside.max() <= 1.4 + 1e-12
     circle = out_of_phase_gait(offset=0.95, amplitude=0.45)
@@ -254,7 +254,7 @@ def test_best_cycle_follows_the_zero_set(connection):
 
 def test_most_yaw_per_travel_balances_curvature_and_height(connection):
     """Stationarity of yaw / travel: curvature = height / (yaw / travel), all along the path."""
-    best = optimal_cycle(connection, goal="travel", limits=(0.0, np.pi))
+    best = optimal_cycle(connection, per="travel", angle_range=(0.0, np.pi))
     motion = best.gait(np.linspace(0, best.gait.period, 50))
     (x, y), (ax, ay) = motion.rate.T, motion.acceleration.T
     curvature = (x * ay - y * ax) / np.hypot(x, y) ** 3
@@ -311,9 +311,9 @@ def test_refusals(robot, connection):
     with pytest.raises(rr.ParameterError, match="method"):
         net_yaw(robot, rr.gait("lateral"), method="guess")
     with pytest.raises(rr.ParameterError, match="low below high"):
-        zero_set(robot, limits=(1, 0))
-    with pytest.raises(rr.ParameterError, match="goal"):
-        optimal_cycle(robot, goal="far")
+        zero_set(robot, angle_range=(1, 0))
+    with pytest.raises(rr.ParameterError, match="per is"):
+        optimal_cycle(robot, per="far")
     with pytest.raises(rr.GaitError, match="already"):
         one_leg_gait((1, 1), leg=0, target=1)
     with pytest.raises(rr.ModelError, match="no inertia"):

@@ -27,7 +27,7 @@ def test_every_result_of_a_sweep_is_that_of_a_simulation() -> None:
     cycles, period = 30, GAIT.period
     ds = rr.sweep(FULL, points=[GAIT], loads=True, cycles=cycles, steps_per_cycle=40)
     t = rr.simulate(FULL, GAIT, cycles * period, period / 240, rtol=1e-11)
-    state = t.steady_state(start=(cycles - int(ds.attrs["counted"])) * period)
+    state = t.steady_state(after=(cycles - int(ds.attrs["counted"])) * period)
     own = measured(t, state, slice(-240, None))
     assert list(own) == [*results.COLUMNS, "status"]
     for name in own:

@@ -27,7 +27,7 @@ def test_an_optimised_gait_comes_back(best, tmp_path):
 
 
 def test_a_front_comes_back(tmp_path):
-    front = rr.pareto_front(MODEL, points=2, limits=rr.GaitLimits(max_variation=0.5), **SMALL)
+    front = rr.pareto_front(MODEL, n_points=2, limits=rr.GaitLimits(max_variation=0.5), **SMALL)
     again = ParetoFront.load(front.save(tmp_path / "front.json"))
     assert again.to_dict() == front.to_dict()
     np.testing.assert_array_equal(again.cost, front.cost)

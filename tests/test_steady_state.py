@@ -103,9 +103,9 @@ def test_counted_cycles_are_whole_and_begin_at_multiples_of_the_period():
     assert s.start == pytest.approx(13 * PERIOD)
     assert s.start >= 10.0
     assert s.cycles == 12
-    from_zero = t.steady_state(start=0)
+    from_zero = t.steady_state(after=0)
     assert (from_zero.start, from_zero.cycles) == (0.0, 25)
-    late = t.steady_state(start=3 * PERIOD)
+    late = t.steady_state(after=3 * PERIOD)
     assert late.start == pytest.approx(3 * PERIOD)
     assert late.cycles == 22
 
@@ -117,7 +117,7 @@ def test_transient_before_the_start_does_not_count():
     s = t.steady_state()
     assert s.speed == pytest.approx(0.01, abs=1e-9)
     assert s.yaw_rate == pytest.approx(0, abs=1e-9)
-    assert t.steady_state(start=5.0).variation > 1
+    assert t.steady_state(after=5.0).variation > 1
 
 
 def test_variation_tells_a_motion_that_has_not_settled():

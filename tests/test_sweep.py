@@ -64,7 +64,7 @@ def test_is_the_steady_state_of_a_simulation(model: rr.FullModel | DecoupledMode
         run = rr.decoupled(ROBOT, gait, 20 * period, period / 32)
     else:
         run = rr.simulate(model, gait, 20 * period, period / 32)
-    state = run.steady_state(start=11 * period)
+    state = run.steady_state(after=11 * period)
     assert state.cycles == ds.attrs["counted"] == 9
     for name in ("speed", "yaw_rate", "curvature", "variation"):
         assert float(ds[name]) == pytest.approx(getattr(state, name), rel=1e-6, abs=1e-7), name
@@ -660,7 +660,7 @@ def test_other_bellies_and_grounds_give_what_a_simulation_gives() -> None:
         ds = sweep(model, offset=1.2, phase_difference=1.5, progress=False)
         gait = rr.SinusoidalGait(offset=1.2, amplitude=0.3, angular_frequency=8.0, phase=(0.0, 1.5))
         t = rr.simulate(model, gait, 38 * gait.period, gait.period / 40, method="momentum")
-        state = t.steady_state(start=(38 - int(ds.attrs["counted"])) * gait.period)
+        state = t.steady_state(after=(38 - int(ds.attrs["counted"])) * gait.period)
         assert float(ds.speed) == pytest.approx(state.speed, rel=2e-3)
         if model.robot is egg:  # on a boulder the pitch never settles
             assert float(ds.pitch_amplitude) == pytest.approx(state.amplitude[1], rel=2e-3)

@@ -35,7 +35,7 @@ def test_a_ball_that_rolls_straight_on_from_any_attitude(ball, start, twist, met
     state = rr.simulation.State.from_array(ball, np.r_[quaternion, 0, 0, body], time=0.0)
     t = rr.simulate(ball, rr.StillLegs(()), 6.0, state=state, method=method)
     period = 2.0
-    s = t.steady_state(period=period, start=0.0)
+    s = t.steady_state(period=period, after=0.0)
     assert s.tumbles
     assert "turns over" in s.reason
     assert s.speed == pytest.approx(RADIUS * SPIN, rel=1e-8)
@@ -89,7 +89,7 @@ def test_a_ball_driven_by_a_pendulum_turns_as_its_path_does(hanging, side):
     assert s.yaw_rate == pytest.approx(heading, abs=2e-3)
     # The body comes back turned about the vertical by as much as the path.
     assert s.net_rotation[2] == pytest.approx(heading * math.pi, abs=0.02)
-    two = t.steady_state(period=math.pi, start=40.0 - 2.99 * math.pi)
+    two = t.steady_state(period=math.pi, after=40.0 - 2.99 * math.pi)
     assert two.cycles == 2
     if side == 0.01:
         assert two.yaw_rate == pytest.approx(heading, abs=0.02)

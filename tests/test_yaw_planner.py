@@ -29,7 +29,7 @@ def test_200_random_pairs(model):
     worst = 0.0
     for _ in range(200):
         start, goal = rng.uniform((-np.pi, 0.3, 0.3), (np.pi, 2.8, 2.8), (2, 3))
-        plan = plan_yaw(model, start, goal, limits=LIMITS, max_rate=15.0, wrap=True)
+        plan = plan_yaw(model, start, goal, angle_range=LIMITS, max_rate=15.0, wrap=True)
         assert np.isclose(np.cos(plan.goal[0] - goal[0]), 1, atol=1e-12)
         # Off the samples, too, the legs stay inside.
         angles = plan.gait(np.linspace(0, plan.duration, 400)).angle
@@ -44,7 +44,7 @@ def test_exact_yaw_with_whole_turns_by_the_reference_dynamics(model, seed):
     rng = np.random.default_rng(seed)
     start, goal = rng.uniform((-1, 0.5, 0.5), (1, 2.5, 2.5), (2, 3))
     goal[0] = start[0] + 0.4 * (-1) ** seed
-    plan = plan_yaw(model, start, goal, limits=LIMITS, max_rate=4.0)
+    plan = plan_yaw(model, start, goal, angle_range=LIMITS, max_rate=4.0)
     assert plan.goal == pytest.approx(goal)
     assert np.abs(arrival(model, plan)).max() < 1e-6
     assert net_yaw(model, plan.gait) == pytest.approx(goal[0] - start[0], abs=1e-10)
@@ -54,7 +54,7 @@ def test_exact_yaw_with_whole_turns_by_the_reference_dynamics(model, seed):
 
 
 def test_second_gait_then_first_gait(model):
-    plan = plan_yaw(model, (0, 1.2, 1.6), (0.3, 1.8, 1.0), limits=LIMITS)
+    plan = plan_yaw(model, (0, 1.2, 1.6), (0.3, 1.8, 1.0), angle_range=LIMITS)
     assert [type(move) for move in plan.gait.moves] == [Loops, Straight, Straight]
     assert plan.cycles * plan.cycle_yaw + plan.straight_yaw == pytest.approx(0.3, abs=1e-12)
     free = plan_yaw(model, (0, 1.2, 1.6), (0.3, 1.8, 1.0))
@@ -62,7 +62,7 @@ def test_second_gait_then_first_gait(model):
 
 
 def test_motor_torques_track_the_plan(model):
-    plan = plan_yaw(model, (0, 1.2, 1.6), (0.3, 1.8, 1.0), limits=LIMITS)
+    plan = plan_yaw(model, (0, 1.2, 1.6), (0.3, 1.8, 1.0), angle_range=LIMITS)
     driven = rr.LegTorques(plan.torque, angle=plan.start[1:])
     t = rr.simulate(model, driven, plan.duration, 0.5)
     assert abs(t.euler[-1, 2] - 0.3) < 1e-6
@@ -95,13 +95,13 @@ def test_nothing_to_do(model):
 
 def test_infeasible_limits_are_refused(model):
     with pytest.raises(rr.GaitError, match="start: leg 2 is at 3 rad, outside of its limits"):
-        plan_yaw(model, (0, 1, 3), (0, 1, 1), limits=LIMITS)
+        plan_yaw(model, (0, 1, 3), (0, 1, 1), angle_range=LIMITS)
     with pytest.raises(rr.GaitError, match="goal: leg 1"):
-        plan_yaw(model, (0, 1, 1), (0, 0, 1), limits=LIMITS)
+        plan_yaw(model, (0, 1, 1), (0, 0, 1), angle_range=LIMITS)
     with pytest.raises(rr.GaitError, match=r"max_cycles = 1000.*Widen the limits"):
-        plan_yaw(model, (0, 1, 1), (1, 1, 1), limits=(0.99, 1.01))
+        plan_yaw(model, (0, 1, 1), (1, 1, 1), angle_range=(0.99, 1.01))
     with pytest.raises(rr.ParameterError, match="low below high"):
-        plan_yaw(model, (0, 1, 1), (1, 1, 1), limits=(2, 1))
+        plan_yaw(model, (0, 1, 1), (1, 1, 1), angle_range=(2, 1))
     with pytest.raises(rr.ParameterError, match="max_cycles"):
         plan_yaw(model, (0, 1, 1), (1, 1, 1), max_cycles=0)
     with pytest.raises(rr.ParameterError, match="start has shape"):

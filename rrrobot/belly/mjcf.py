@@ -45,7 +45,7 @@ def to_mjcf(
     path: str | Path | None = None,
     *,
     ground: Ground | None = None,
-    shell: bool = True,
+    with_shell: bool = True,
     pieces: bool = True,
     friction: float = 0.6,
     servo: float = _SERVO,
@@ -56,7 +56,7 @@ def to_mjcf(
         robot: any; such as `belly.robot`.
         path: where to write it, whole or not at all; nothing is written if None.
         ground: a plane or a boulder; level ground unless given.
-        shell: whether the belly is part of it, as what the robot touches the ground with.
+        with_shell: whether the belly is part of it, as what the robot touches the ground with.
         pieces: whether the links' own shapes are; they touch the ground, and not each other.
         friction: coefficient of sliding friction of all contacts.
         servo: bandwidth of the legs' servos [rad/s].
@@ -91,7 +91,7 @@ def to_mjcf(
     SubElement(world, "light", pos="0 0 3", dir="0 0 -1")
     _add_ground(world, ground)
     bodies = _add_bodies(world, robot)
-    if shell:
+    if with_shell:
         _add_shell(asset, bodies[1], robot)
     if pieces:
         for i, piece in enumerate(Shapes.of(robot).pieces):

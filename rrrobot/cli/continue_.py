@@ -31,7 +31,7 @@ from rrrobot.files import check_writable
 )  # fmt: skip
 @click.option("--to", "goal", type=NUMBER, required=True, help="Its value at the end.")
 @click.option("--step", type=NUMBER, help="Largest step along the branch; 0.1 unless given.")
-@click.option("--points", type=click.IntRange(1), default=500, show_default=True, help="At most.")
+@click.option("--n-points", type=click.IntRange(1), default=500, show_default=True, help="At most.")
 @click.option("--out", metavar="FILE", help="Dataset: .nc. If it is there, it is gone on from.")
 @click.option("--plot", metavar="FILE", help="Bifurcation diagram of --of: .png, .svg.")
 @click.option("--of", "output", default="speed", show_default=True, help="What is drawn.")
@@ -45,7 +45,7 @@ def continue_command(
     parameter: str,
     goal: float,
     step: float | None,
-    points: int,
+    n_points: int,
     out: str | None,
     plot: str | None,
     output: str,
@@ -65,7 +65,7 @@ def continue_command(
     cycle = orbit.build(robot, ground, gait, damping)
     from rrrobot.orbits.branches import branch
 
-    line = branch(cycle, parameter, goal, step=step, points=points, store=out)
+    line = branch(cycle, parameter, goal, step=step, n_points=n_points, store=out)
     files = [] if out is None else [Path(out)]
     if path is not None:
         files.append(write_figure(line.plot(output).figure, path))

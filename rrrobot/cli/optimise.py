@@ -63,7 +63,9 @@ class GoalOptions(Group):
         metavar="FILE",
         help="Instead of one goal: least torque for every speed, as a plot, .png, .pdf or .svg.",
     )
-    points: int | None = option("--points", type=int, help="Of the Pareto front; 16 unless given.")
+    n_points: int | None = option(
+        "--n-points", type=int, help="Of the Pareto front; 16 unless given."
+    )
 
     def build(self) -> Goal | None:
         """The goal, or None for the Pareto front.
@@ -74,7 +76,7 @@ class GoalOptions(Group):
         if self.pareto is not None:
             self.refuse(("goal", *_TARGETS), "do not go with --pareto")
             return None
-        self.refuse(("points",), "go with --pareto only")
+        self.refuse(("n_points",), "go with --pareto only")
         name = self.goal or "fastest"
         keys = {
             "fastest": (),
@@ -216,7 +218,7 @@ def optimise_command(
     tell_of_compiling(quiet=quiet, loads=True)
     settings["progress"] = False if quiet else None
     if wanted is None:
-        front = goal.given("cost", "points")
+        front = goal.given("cost", "n_points")
         found: ParetoFront | OptimisedGait = pareto_front(body, **settings, **front)
     else:
         found = optimise(body, wanted, **settings)

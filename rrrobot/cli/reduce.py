@@ -25,7 +25,7 @@ from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.reduction.checks import controllability, reducibility
 from rrrobot.reduction.connection import Connection
-from rrrobot.reduction.cycles import GOALS, OptimalCycle, optimal_cycle
+from rrrobot.reduction.cycles import PER, OptimalCycle, optimal_cycle
 from rrrobot.reduction.yaw import METHODS, net_yaw
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.run import simulate
@@ -57,8 +57,8 @@ class CycleOptions(Group):
     phase_difference: float = option(
         "--phase-difference", type=NUMBER, default="pi/2", show_default=True, help="[rad]"
     )
-    limits: tuple[float, float] = option(
-        "--limits",
+    angle_range: tuple[float, float] = option(
+        "--angle-range",
         type=Numbers(2),
         default="-pi,pi",
         show_default=True,
@@ -118,7 +118,7 @@ def reduce_command(
     Examples:
       rrrobot reduce --models --optimal --out heights.png
       rrrobot reduce --robot solo12 --shell-radius 0.3 --pair FL_HFE,FR_HFE
-      rrrobot reduce --plan 1.0,1.2,1.6 --limits 0.2,2.9
+      rrrobot reduce --plan 1.0,1.2,1.6 --angle-range 0.2,2.9
     """
     target = None if out is None else check_writable(out)
     body = robot.build_level()
@@ -140,18 +140,18 @@ def reduce_command(
     cycles: dict[str, Gait] = {"cycle": gait}
     if optimal:
         best = {
-            name: optimal_cycle(connection, goal=name, limits=cycle.limits, pair=pair)
-            for name in GOALS
+            name: optimal_cycle(connection, per=name, angle_range=cycle.angle_range, pair=pair)
+            for name in PER
         }
         cycles |= {f"most per {name}": found.gait for name, found in best.items()}
         data["optimal"] = {name: _optimal(found) for name, found in best.items()}
     if goal is not None:
-        data["plan"] = _plan(body, pair, center, goal, cycle.limits)
+        data["plan"] = _plan(body, pair, center, goal, cycle.angle_range)
     if target is not None:
         from rrrobot.drawing import write_figure
         from rrrobot.figures.reduction import height_map
 
-        ax: Any = height_map(connection, cycles, pair=pair, limits=cycle.limits)
+        ax: Any = height_map(connection, cycles, pair=pair, angle_range=cycle.angle_range)
         kind = target.suffix.removeprefix(".").lower() or "png"
         if kind not in ("png", "svg", "pdf"):
             raise ParameterError(f"--out is {target.name!r}: its ending must be png, svg or pdf.")
@@ -189,7 +189,7 @@ def _plan(
     limits: tuple[float, float],
 ) -> dict[str, Any]:
     start = np.concatenate(([0.0], center))
-    plan = plan_yaw(robot, start, np.atleast_1d(goal), limits=limits, pair=pair)
+    plan = plan_yaw(robot, start, np.atleast_1d(goal), angle_range=limits, pair=pair)
     interval = plan.duration / 200
     run = simulate(YawModel(robot), plan.gait, plan.duration, sample_interval=interval)
     return {

@@ -104,7 +104,7 @@ def _steady_state(trajectory: Trajectory) -> tuple[dict[str, Any] | None, str | 
     blended = ramp["duration"] if ramp.get("type") == "ramp_in" else 0.0
     start = max(blended, float(trajectory.time[-1]) / 2)
     try:
-        return trajectory.steady_state(start=start).to_dict(), None
+        return trajectory.steady_state(after=start).to_dict(), None
     except ParameterError as error:
         return None, str(error).rstrip(".")
 
@@ -113,13 +113,13 @@ def _settled_rows(data: Mapping[str, Any]) -> list[tuple[str, str]]:
     settled = data["steady_state"]
     if settled is None:
         return [("no steady state", str(data["no_steady_state_because"]))]
-    last = settled["start"] + settled["cycles"] * settled["period"]
+    last = settled["after"] + settled["cycles"] * settled["period"]
     curvature = settled["curvature"]
     rows = [
         (
             "steady state",
             f"means of {settled['cycles']} cycles of {settled['period']:.4g} s, "
-            f"{settled['start']:.4g} .. {last:.4g} s, steps vary by "
+            f"{settled['after']:.4g} .. {last:.4g} s, steps vary by "
             f"{100 * settled['variation']:.1g} %",
         ),
         ("  speed v", f"{1000 * settled['speed']:.4f} mm/s"),

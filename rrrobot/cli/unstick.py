@@ -148,7 +148,7 @@ def robot_of(name: str) -> Any:
         raise ParameterError(
             f"robot is {name!r}: write legged:N or legged:NxJ, such as legged:6 or legged:6x2."
         ) from None
-    return legged_urdf(numbers[0], joints=numbers[1])
+    return legged_urdf(numbers[0], n_joints=numbers[1])
 
 
 def _table(found: Unstuck) -> str:

@@ -102,10 +102,10 @@ class FlatBelly(Surface):
             if value is not None:
                 object.__setattr__(self, name, finite(name, value, "m", above=0))
 
-    def holds(self, place: Array) -> bool:
-        """Whether a place (2,) [m] is on the belly."""
+    def holds(self, point: Array) -> bool:
+        """Whether a point (2,) [m] is on the belly."""
         reach = (self.half_length, self.half_width)
-        return all(r is None or abs(x) <= r for r, x in zip(reach, place, strict=True))
+        return all(r is None or abs(x) <= r for r, x in zip(reach, point, strict=True))
 
     def support(self, u: Array) -> float:
         raise self._refusal()

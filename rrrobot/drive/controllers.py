@@ -15,13 +15,13 @@ from rrrobot.errors import GaitError
 
 
 class PID(TorqueLaw):
-    """tau = kp e + ki integral(e) + kd e_dot with e = goal - angle; continuous, or sampled.
+    """tau = kp e + ki integral(e) + kd e_dot with e = setpoint - angle; continuous, or sampled.
 
     Continuous, the integral is a state beside the legs. Sampled at t_k, the sum
     s_k = s_(k-1) + T e_k (s_(-1) = 0) stands for it, and tau is held from t_k to t_(k+1).
 
     Args:
-        goal: angles (legs,) [rad], or a `Gait` to follow.
+        setpoint: angles (legs,) [rad], or a `Gait` to follow.
         kp: [N m/rad], one number or one per leg.
         ki: [N m/(rad s)].
         kd: [N m s/rad].
@@ -41,14 +41,16 @@ class PID(TorqueLaw):
 
     def __init__(
         self,
-        goal: ArrayLike | Gait,
+        setpoint: ArrayLike | Gait,
         *,
         kp: ArrayLike,
         ki: ArrayLike = 0.0,
         kd: ArrayLike = 0.0,
         sample_time: float | None = None,
     ) -> None:
-        self.goal = goal if isinstance(goal, Gait) else _numbers("goal", goal, "rad")
+        self.setpoint = (
+            setpoint if isinstance(setpoint, Gait) else _numbers("setpoint", setpoint, "rad")
+        )
         self.kp = _numbers("kp", kp, "N m/rad")
         self.ki = _numbers("ki", ki, "N m/(rad s)")
         self.kd = _numbers("kd", kd, "N m s/rad")
@@ -58,17 +60,17 @@ class PID(TorqueLaw):
 
     def _errors(self, state: MotionState) -> tuple[Array, Array]:
         """e and its rate (legs,)."""
-        if isinstance(self.goal, Gait):
-            angle, rate, _ = self.goal(state.time)
+        if isinstance(self.setpoint, Gait):
+            angle, rate, _ = self.setpoint(state.time)
             return angle - state.leg_angle, rate - state.leg_rate
-        return self.goal - state.leg_angle, -state.leg_rate
+        return self.setpoint - state.leg_angle, -state.leg_rate
 
     def _output(self, state: MotionState, integral: Array) -> Array:
         error, rate = self._errors(state)
         return np.asarray(self.kp * error + self.ki * integral + self.kd * rate)
 
     def initial_memory(self, n_legs: int) -> Memory:
-        for name in ("goal", "kp", "ki", "kd"):
+        for name in ("setpoint", "kp", "ki", "kd"):
             value = getattr(self, name)
             size = value.n_legs if isinstance(value, Gait) else value.size
             if size not in ((n_legs,) if isinstance(value, Gait) else (1, n_legs)):
@@ -93,9 +95,11 @@ class PID(TorqueLaw):
         return memory.held[state.leg_angle.size :]
 
     def to_dict(self) -> dict[str, Any]:
-        goal = self.goal.to_dict() if isinstance(self.goal, Gait) else self.goal.tolist()
+        setpoint = (
+            self.setpoint.to_dict() if isinstance(self.setpoint, Gait) else self.setpoint.tolist()
+        )
         gains = {name: getattr(self, name).tolist() for name in ("kp", "ki", "kd")}
-        return {"type": "pid", "goal": goal, "sample_time": self.sample_time} | gains
+        return {"type": "pid", "setpoint": setpoint, "sample_time": self.sample_time} | gains
 
 
 class Delayed(TorqueLaw):

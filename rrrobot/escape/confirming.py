@@ -189,7 +189,7 @@ def _rest(model: Model, leg_angle: Array) -> Array:
 
 
 def _settled(run: Trajectory, start: float, one: Judged, rules: Rules) -> _Settled:
-    state = run.steady_state(start=start - 1e-9)
+    state = run.steady_state(after=start - 1e-9)
     travel = np.append(state.velocity, state.yaw_rate)
     scale = np.array((1.0, 1.0, rules.length))
     if rules.goal.leans:

@@ -34,7 +34,7 @@ def value_map(
     values: xr.DataArray,
     ax: Axes | None = None,
     *,
-    limits: tuple[float, float] | None = None,
+    colour_range: tuple[float, float] | None = None,
     colour_bar: bool = True,
 ) -> Axes:
     """A variable of a sweep over its two dimensions, with labelled contours.
@@ -42,7 +42,7 @@ def value_map(
     Args:
         values: such as `ds.speed`.
         ax: where to draw; axes in a new figure if None.
-        limits: of the colours, in the data's unit; the data's own if None.
+        colour_range: of the colours, in the data's unit; the data's own if None.
         colour_bar: draw one.
 
     Returns:
@@ -59,7 +59,7 @@ def value_map(
         >>> value_map(ds.speed).get_xlabel()
         'leg phase difference [rad]'
     """
-    table, limits = _scaled(values, limits)
+    table, limits = _scaled(values, colour_range)
     rows, columns = (np.asarray(table[dim]) for dim in table.dims)
     ax = new_axes() if ax is None else ax
     data = np.ma.masked_invalid(table.to_numpy())
@@ -94,7 +94,7 @@ def side_by_side(
     limits = (float(known.min()), float(known.max())) if known.size else None
     panels = list(figure.subplots(1, 2))
     for i, (values, title) in enumerate(zip(pair, titles, strict=True)):
-        value_map(values, panels[i], limits=limits, colour_bar=False)
+        value_map(values, panels[i], colour_range=limits, colour_bar=False)
         panels[i].set_title(f"({'ab'[i]}) {title}", fontsize=FONT)
     panels[1].set_ylabel("")
     _bar(panels[0].collections[0], panels, left)
@@ -112,7 +112,7 @@ def translation(ds: xr.Dataset) -> Figure:
     largest = float(np.nanquantile(np.abs(curvature), 0.9)) if curvature.notnull().any() else 1.0
     for i, values in enumerate((ds.speed, ds.yaw_rate, curvature)):
         limits = (-largest, largest) if i == 2 else None
-        ax = value_map(values, figure.add_subplot(1, 3, i + 1), limits=limits)
+        ax = value_map(values, figure.add_subplot(1, 3, i + 1), colour_range=limits)
         ax.set_title(f"({'abc'[i]}) {_title(values)}", fontsize=FONT)
         if i:
             ax.set_ylabel("")

@@ -13,7 +13,7 @@ from rrrobot.drive.gaits import Gait
 from rrrobot.drive.moves import out_of_phase_gait
 from rrrobot.models.single_axis import YawModel
 from rrrobot.reduction.connection import Connection, as_connection
-from rrrobot.reduction.heights import FULL_TURN, height_grid, pair_limits, zero_set
+from rrrobot.reduction.heights import FULL_TURN, height_grid, pair_box, zero_set
 from rrrobot.reduction.yaw import leg_span, net_yaw
 from rrrobot.robot.robot import Robot
 
@@ -29,7 +29,7 @@ def height_map(
     ax: Axes | None = None,
     *,
     pair: tuple[int, int] = (0, 1),
-    limits: ArrayLike = FULL_TURN,
+    angle_range: ArrayLike = FULL_TURN,
     leg_angle: ArrayLike | None = None,
     resolution: int = 81,
     signs: bool = True,
@@ -41,7 +41,7 @@ def height_map(
         cycles: label -> gait, drawn with an arrow and the net yaw per cycle in the legend.
         ax: where to draw; axes in a new figure if None.
         pair: indices of two legs.
-        limits: (low, high) of both legs, or a row for each [rad].
+        angle_range: (low, high) of both legs, or a row for each [rad].
         leg_angle: where the other legs are (legs,) [rad]; zero unless given.
         resolution: grid points of each leg.
         signs: mark regions with + and -.
@@ -62,7 +62,12 @@ def height_map(
     if ax is None:
         ax = new_axes()
         ax.figure.set_size_inches(5.8, 5.4)  # type: ignore[union-attr]
-    setting = {"pair": pair, "limits": limits, "leg_angle": leg_angle, "resolution": resolution}
+    setting = {
+        "pair": pair,
+        "angle_range": angle_range,
+        "leg_angle": leg_angle,
+        "resolution": resolution,
+    }
     first, second, heights = height_grid(connection, **setting)  # type: ignore[arg-type]
     largest = float(np.abs(heights).max()) or 1.0
     shades = ax.pcolormesh(
@@ -88,7 +93,7 @@ def height_map(
     names = [connection.robot.legs[i] for i in pair]
     tidy(ax, f"{names[0]} [rad]", f"{names[1]} [rad]")
     ax.grid(False)
-    box = pair_limits(limits)
+    box = pair_box(angle_range)
     ax.set_xlim(*box[0])
     ax.set_ylim(*box[1])
     ax.set_aspect("equal")
@@ -110,7 +115,7 @@ def fig_13(source: Connection | Robot | YawModel) -> Figure:
     """
     offsets = {"A": 5 * np.pi / 8 + 0.15, "B": np.pi / 2}
     cycles = {name: out_of_phase_gait(offset=offset) for name, offset in offsets.items()}
-    ax = height_map(source, cycles, limits=(-0.35, np.pi + 0.35))
+    ax = height_map(source, cycles, angle_range=(-0.35, np.pi + 0.35))
     return ax.figure  # type: ignore[return-value]
 
 

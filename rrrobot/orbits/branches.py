@@ -184,7 +184,7 @@ def branch(
     *,
     back: float | None = None,
     step: float | None = None,
-    points: int = _MOST,
+    n_points: int = _MOST,
     store: str | Path | None = None,
     progress: Progress = False,
 ) -> Branch:
@@ -199,7 +199,7 @@ def branch(
             None.
         step: largest step along the branch in scaled units: 1 rad of angles, the value itself of
             other parameters, order one of the state; 0.1 if None.
-        points: at most so many.
+        n_points: at most so many.
         store: a netCDF file (.nc) that keeps the branch: written at the end and when interrupted.
             If it holds the start of this branch, it is gone on from there.
         progress: see `rrrobot.progress`; in points, of the most.
@@ -225,8 +225,8 @@ def branch(
         raise ParameterError(f"to is {to!r} {chosen.unit}: that is where the cycle is already.")
     behind = 2 * chosen.value - goal if back is None else finite("back", back, chosen.unit)
     longest = _LONGEST if step is None else finite("step", step, above=0)
-    if isinstance(points, bool) or not isinstance(points, int) or points < 1:
-        raise ParameterError(f"points is {points!r}: it must be a whole number, at least 1.")
+    if isinstance(n_points, bool) or not isinstance(n_points, int) or n_points < 1:
+        raise ParameterError(f"n_points is {n_points!r}: it must be a whole number, at least 1.")
     low, high = min(goal, behind), max(goal, behind)
     curve = Curve(case, chosen, cycle.steps_per_cycle, cycle.found.map.scale)
     first = curve.start(cycle.point)
@@ -239,9 +239,9 @@ def branch(
         made, special = _read(path, curve, cycle, parameter)
     walk = Walk(curve, min(_STEP, longest), longest, _SHORTEST)
     try:
-        with progress_of(progress, "points", points, "points", len(made) - 1) as tell:
+        with progress_of(progress, "points", n_points, "points", len(made) - 1) as tell:
             for point, kind in walk.points(
-                made[-1], lambda value: low <= value <= high, points - len(made) + 1
+                made[-1], lambda value: low <= value <= high, n_points - len(made) + 1
             ):
                 if kind == "end":
                     point = _at_end(curve, made[-1], point, goal, behind)

@@ -163,7 +163,7 @@ def find(case: Case, start: Array | None = None) -> Found:
     """
     if start is not None and start.shape != (case.section.size,):
         raise ParameterError(
-            f"start has shape {start.shape}: this model's cycles have {case.section.size} "
+            f"near has shape {start.shape}: this model's cycles have {case.section.size} "
             "coordinates; give another cycle of the same model, or its point."
         )
     steps = case.steps or max(_LEAST_STEPS, int(np.ceil(case.period / LONGEST_STEP)))
@@ -242,6 +242,6 @@ def _refusal(case: Case, residual: float, spent: int) -> OrbitError:
     return OrbitError(
         f"no orbit of {case.periods} period{'s' * (case.periods > 1)} was found for the "
         f"{case.model.name} model: after {spent} simulated periods {reached}. Start from a "
-        "neighbour's cycle (start=), follow a branch from a smaller amplitude with "
+        "neighbour's cycle (near=), follow a branch from a smaller amplitude with "
         "rr.orbits.branch, or try periods=2."
     )

@@ -192,7 +192,7 @@ def limit_cycle(
     gait: Gait,
     *,
     periods: int = 1,
-    start: LimitCycle | ArrayLike | None = None,
+    near: LimitCycle | ArrayLike | None = None,
     yaw_gait: Gait | None = None,
     steps_per_cycle: int | None = None,
 ) -> LimitCycle:
@@ -206,7 +206,7 @@ def limit_cycle(
         gait: that repeats.
         periods: of the legs, after which the motion repeats; 2 after a period doubling. A cycle
             that repeats sooner is one too, and may be what is found.
-        start: a neighbour's cycle, or the coordinates of a start (its `point`); what the impulsive
+        near: a neighbour's cycle, or the coordinates of a start (its `point`); what the impulsive
             upright start comes to in 25 periods if None.
         yaw_gait: of the yaw model alone, for `DecoupledModels`.
         steps_per_cycle: of the fixed-step DOP853; as many as leave an error below 1e-11 if None.
@@ -226,7 +226,7 @@ def limit_cycle(
         [0.674, 0.674, 0.575, 0.575, 0.09]
     """
     case = prepared(model, gait, periods, yaw_gait, steps_per_cycle)
-    at = start.point if isinstance(start, LimitCycle) else start
+    at = near.point if isinstance(near, LimitCycle) else near
     return cycle_of(find(case, None if at is None else np.asarray(at, dtype=float)))
 
 

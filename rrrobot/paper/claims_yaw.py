@@ -110,7 +110,7 @@ def _reductions(shop: Workshop) -> Result:
     postures = np.stack(np.meshgrid(*2 * [np.linspace(0.3, 2.8, 6)]), axis=-1).reshape(-1, 2)
     ranks = [c.rank for c in path_controllability(shop.robot, postures)]
     goal = (0.3, 1.8, 1.0)
-    plan = plan_yaw(shop.robot, (0.0, 1.2, 1.6), goal, limits=(0.4, 2.7))
+    plan = plan_yaw(shop.robot, (0.0, 1.2, 1.6), goal, angle_range=(0.4, 2.7))
     end = simulate(YawModel(shop.robot), plan.gait, plan.duration, plan.duration, start="rest")
     miss = np.abs((end.euler[-1, 2], *end.leg_angle[-1]) - np.array(goal)).max()
     rows += [

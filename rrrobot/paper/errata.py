@@ -242,7 +242,7 @@ def _impulsive(shop: Workshop) -> Result:
 def _cycles(shop: Workshop) -> Result:
     run = shop.comparison("circular").trajectories["full"]
     state = run.steady_state()
-    starts = state.start + state.period * np.arange(1, 9) / 9
+    starts = state.after + state.period * np.arange(1, 9) / 9
     off = [abs(_speed_from(run, start, state.period) / state.speed - 1) for start in starts]
     return Result(
         rows=(

@@ -67,23 +67,23 @@ class Table4:
     yaw_rate: dict[str, Array]
     yaw_amplitude: Array
 
-    def ratio(self, model: str, quantity: str) -> Array:
+    def ratio(self, name: str, quantity: str) -> Array:
         """A model's "speed" or "curvature" over the full model's (m, n)."""
-        speed = self.speed[model] / self.speed["full"]
+        speed = self.speed[name] / self.speed["full"]
         if quantity == "speed":
             return speed
         if quantity != "curvature":
             raise ParameterError(f"quantity is {quantity!r}: it must be 'speed' or 'curvature'.")
         with np.errstate(divide="ignore", invalid="ignore"):
-            return np.asarray(self.yaw_rate[model] / self.yaw_rate["full"] / speed)
+            return np.asarray(self.yaw_rate[name] / self.yaw_rate["full"] / speed)
 
     def spread(
-        self, model: str, quantity: str, *, min_speed: float = 6e-3, min_yaw_rate: float = 5e-3
+        self, name: str, quantity: str, *, min_speed: float = 6e-3, min_yaw_rate: float = 5e-3
     ) -> Spread:
         """Extremes of a ratio where the full model is faster than both thresholds.
 
         Args:
-            model: "pivoting", "decoupled" or "modulated".
+            name: of the model, "pivoting", "decoupled" or "modulated".
             quantity: "speed" or "curvature".
             min_speed: [m/s].
             min_yaw_rate: [rad/s]; for curvature only.
@@ -91,7 +91,7 @@ class Table4:
         counted = self.speed["full"] > min_speed
         if quantity == "curvature":
             counted &= np.abs(self.yaw_rate["full"]) > min_yaw_rate
-        ratios = self.ratio(model, quantity)[counted]
+        ratios = self.ratio(name, quantity)[counted]
         ratios = ratios[np.isfinite(ratios)]
         if not ratios.size:
             return Spread(np.nan, np.nan, np.nan, 0)

@@ -59,7 +59,7 @@ def unicycle_path(trajectory: Trajectory) -> UnicyclePath:
     state = trajectory.steady_state()
     values = np.column_stack((trajectory.position, trajectory.euler[:, 2]))
     time, means = cycle_mean(trajectory.time, values, state.period)
-    counted = time >= state.start + 0.5 * state.period
+    counted = time >= state.after + 0.5 * state.period
     time, robot, yaw = time[counted], means[counted, :2], means[counted, 2]
     v, alpha = state.velocity[1], state.yaw_rate
     since = time - time[0]

@@ -13,11 +13,11 @@ from rrrobot.drive.gaits import FourierGait
 from rrrobot.errors import ModelError, ParameterError
 from rrrobot.models.single_axis import YawModel
 from rrrobot.reduction.connection import Connection, as_connection
-from rrrobot.reduction.heights import FULL_TURN, height_grid, pair_limits, posture
+from rrrobot.reduction.heights import FULL_TURN, height_grid, pair_box, posture
 from rrrobot.reduction.yaw import net_yaw
 from rrrobot.robot.robot import Robot
 
-GOALS = ("cycle", "travel")
+PER = ("cycle", "travel")
 _SAMPLES = 64
 
 
@@ -33,15 +33,15 @@ class OptimalCycle:
         region_yaw: integral of the height function over the part of the limits in which it has
             one sign: what no path that goes round once can exceed, and what a path along the
             region's edge reaches [rad].
-        limits: of the pair (2, 2) [rad].
+        angle_range: of the pair (2, 2) [rad].
         pair: which legs move.
-        goal: "cycle" or "travel".
+        per: "cycle" or "travel".
 
     Example:
         >>> import rrrobot as rr
         >>> robot = rr.Robot.from_parameters()
-        >>> best = rr.reduction.optimal_cycle(robot, limits=(0.3, 1.5), harmonics=4)
-        >>> best.goal, best.pair, best.gait.period == rr.gait("lateral").period
+        >>> best = rr.reduction.optimal_cycle(robot, angle_range=(0.3, 1.5), harmonics=4)
+        >>> best.per, best.pair, best.gait.period == rr.gait("lateral").period
         ('cycle', (0, 1), True)
     """
 
@@ -50,16 +50,16 @@ class OptimalCycle:
     travel: float
     per_travel: float
     region_yaw: float
-    limits: Array
+    angle_range: Array
     pair: tuple[int, int]
-    goal: str
+    per: str
 
 
 def optimal_cycle(
     source: Connection | Robot | YawModel,
     *,
-    goal: str = "cycle",
-    limits: ArrayLike = FULL_TURN,
+    per: str = "cycle",
+    angle_range: ArrayLike = FULL_TURN,
     pair: tuple[int, int] = (0, 1),
     leg_angle: ArrayLike | None = None,
     harmonics: int = 10,
@@ -76,8 +76,8 @@ def optimal_cycle(
 
     Args:
         source: a robot or its connection.
-        goal: "cycle" or "travel".
-        limits: (low, high) of both legs, or a row for each (2, 2) [rad].
+        per: "cycle" or "travel".
+        angle_range: (low, high) of both legs, or a row for each (2, 2) [rad].
         pair: indices of the two legs that move.
         leg_angle: where the other legs stay (legs,) [rad]; zero unless given.
         harmonics: of the gait, 1 to 20.
@@ -93,20 +93,20 @@ def optimal_cycle(
     Example:
         >>> import rrrobot as rr
         >>> robot = rr.Robot.from_parameters()
-        >>> best = rr.reduction.optimal_cycle(robot, limits=(0.3, 1.5), harmonics=4)
+        >>> best = rr.reduction.optimal_cycle(robot, angle_range=(0.3, 1.5), harmonics=4)
         >>> bool(0.8 < best.net_yaw / best.region_yaw <= 1)
         True
     """
-    if goal not in GOALS:
-        raise ParameterError(f"goal is {goal!r}: it must be one of {', '.join(GOALS)}.")
+    if per not in PER:
+        raise ParameterError(f"per is {per!r}: it must be one of {', '.join(PER)}.")
     if not isinstance(harmonics, int) or harmonics not in range(1, 21):
         raise ParameterError(f"harmonics is {harmonics!r}: it must be a whole number 1 to 20.")
     omega = finite("angular_frequency", angular_frequency, "rad/s", above=0)
     connection = as_connection(source)
     pair = connection.pair(pair)
-    box, base = pair_limits(limits), posture(connection, leg_angle)
+    box, base = pair_box(angle_range), posture(connection, leg_angle)
     region_yaw, middle, spread = _region(connection, pair, box, base)
-    search = _Search(connection, pair, box, base, harmonics, goal, np.sign(region_yaw))
+    search = _Search(connection, pair, box, base, harmonics, per, np.sign(region_yaw))
     series = search.run(middle, spread)
     if region_yaw < 0:
         # The other way round.
@@ -124,9 +124,9 @@ def optimal_cycle(
         travel=travel,
         per_travel=yaw / travel,
         region_yaw=abs(region_yaw),
-        limits=box,
+        angle_range=box,
         pair=pair,
-        goal=goal,
+        per=per,
     )
 
 
@@ -141,7 +141,7 @@ def _region(
     centers = np.array([(edge[:-1] + edge[1:]) / 2 for edge in edges])
     inner = np.column_stack((centers[:, 0], centers[:, -1]))
     first, second, heights = height_grid(
-        connection, pair=pair, limits=inner, leg_angle=base, resolution=n
+        connection, pair=pair, angle_range=inner, leg_angle=base, resolution=n
     )
     cell = float(np.prod((box[:, 1] - box[:, 0]) / n))
     tiny = 1e-10 * np.abs(connection.derivative(base)).max()
@@ -182,11 +182,11 @@ class _Search:
         box: Array,
         base: Array,
         harmonics: int,
-        goal: str,
+        per: str,
         sign: float,
     ) -> None:
         self.connection, self.pair, self.box, self.base = connection, list(pair), box, base
-        self.harmonics, self.goal, self.sign = harmonics, goal, sign
+        self.harmonics, self.per, self.sign = harmonics, per, sign
         self.scale = 1.0
 
     def value(self, x: Array) -> tuple[float, Array]:
@@ -199,7 +199,7 @@ class _Search:
         height = self.connection.height(points, (self.pair[0], self.pair[1]))
         normal = np.column_stack((rate[:, 1], -rate[:, 0])) * height[:, None]
         slope = weight * self.place.T @ normal.ravel()
-        if self.goal == "travel":
+        if self.per == "travel":
             speed = np.sqrt(np.sum(rate**2, axis=1) + 1e-12)
             travel = weight * float(speed.sum())
             stretch = weight * self.tangent.T @ (rate / speed[:, None]).ravel()

@@ -18,7 +18,7 @@ def height_grid(
     source: Connection | Robot | YawModel,
     *,
     pair: tuple[int, int] = (0, 1),
-    limits: ArrayLike = FULL_TURN,
+    angle_range: ArrayLike = FULL_TURN,
     leg_angle: ArrayLike | None = None,
     resolution: int = 61,
 ) -> tuple[Array, Array, Array]:
@@ -27,7 +27,7 @@ def height_grid(
     Args:
         source: a robot or its connection.
         pair: indices (j, k) of two legs.
-        limits: (low, high) of both legs, or (2, 2) with a row for each [rad].
+        angle_range: (low, high) of both legs, or (2, 2) with a row for each [rad].
         leg_angle: where the other legs are (legs,) [rad]; zero unless given.
         resolution: values of each leg, at least 3.
 
@@ -42,7 +42,7 @@ def height_grid(
     """
     connection = as_connection(source)
     j, k = connection.pair(pair)
-    box = pair_limits(limits)
+    box = pair_box(angle_range)
     if isinstance(resolution, bool) or not isinstance(resolution, int) or resolution < 3:
         raise ParameterError(f"resolution is {resolution!r}: it must be a whole number, 3 or more.")
     first, second = (np.linspace(low, high, resolution) for low, high in box)
@@ -55,7 +55,7 @@ def zero_set(
     source: Connection | Robot | YawModel,
     *,
     pair: tuple[int, int] = (0, 1),
-    limits: ArrayLike = FULL_TURN,
+    angle_range: ArrayLike = FULL_TURN,
     leg_angle: ArrayLike | None = None,
     resolution: int = 61,
 ) -> list[Array]:
@@ -67,7 +67,7 @@ def zero_set(
 
     Args:
         source: as for `height_grid`, as all others.
-        pair, limits, leg_angle, resolution: as for `height_grid`.
+        pair, angle_range, leg_angle, resolution: as for `height_grid`.
 
     Returns:
         lines (points, 2) of (phi_j, phi_k) [rad]; none where the function keeps its sign.
@@ -75,7 +75,7 @@ def zero_set(
     Example:
         >>> import numpy as np, rrrobot as rr
         >>> robot = rr.Robot.from_parameters()
-        >>> line, = rr.reduction.zero_set(robot, limits=(1.0, 2.0), resolution=12)
+        >>> line, = rr.reduction.zero_set(robot, angle_range=(1.0, 2.0), resolution=12)
         >>> bool(abs(line.sum(axis=1) - np.pi).max() < 1e-12)
         True
     """
@@ -84,7 +84,7 @@ def zero_set(
     connection = as_connection(source)
     pair = connection.pair(pair)
     first, second, heights = height_grid(
-        connection, pair=pair, limits=limits, leg_angle=leg_angle, resolution=resolution
+        connection, pair=pair, angle_range=angle_range, leg_angle=leg_angle, resolution=resolution
     )
     if np.abs(heights).max() == 0:
         raise ParameterError("the height function is zero everywhere: the legs cannot turn it.")
@@ -101,20 +101,20 @@ def posture(connection: Connection, leg_angle: ArrayLike | None) -> Array:
     return vector("leg_angle", leg_angle, connection.n_legs, "rad", broadcast=True)
 
 
-def pair_limits(limits: ArrayLike) -> Array:
+def pair_box(angle_range: ArrayLike) -> Array:
     """Limits of two legs (2, 2), one row (low, high) each [rad].
 
     Raises:
         ParameterError: not one or two rows of low < high.
     """
     try:
-        box = np.array(np.broadcast_to(np.asarray(limits, dtype=float), (2, 2)))
+        box = np.array(np.broadcast_to(np.asarray(angle_range, dtype=float), (2, 2)))
     except (TypeError, ValueError):
         box = np.full((2, 2), np.nan)
     if not np.all(np.isfinite(box)) or np.any(box[:, 0] >= box[:, 1]):
         raise ParameterError(
-            f"limits are {limits!r}: they must be (low, high) for both legs, or one such row for "
-            "each of the two, with low below high [rad]."
+            f"angle_range is {angle_range!r}: it must be (low, high) for both legs, or one such "
+            "row for each of the two, with low below high [rad]."
         )
     return box
 

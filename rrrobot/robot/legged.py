@@ -33,9 +33,9 @@ class _Part(NamedTuple):
 
 
 def legged_urdf(
-    legs: int = 6,
+    n_limbs: int = 6,
     *,
-    joints: int = 3,
+    n_joints: int = 3,
     body_size: tuple[float, float, float] = (0.4, 0.2, 0.1),
     body_mass: float = 3.0,
     thigh_length: float = 0.16,
@@ -53,8 +53,8 @@ def legged_urdf(
     is flat, as that of most robots: its belly is what `fit_belly` makes of it.
 
     Args:
-        legs: how many, from 1.
-        joints: of each leg: 1 (hfe), 2 (hfe, kfe) or 3 (haa, hfe, kfe).
+        n_limbs: how many legs, from 1.
+        n_joints: of each leg: 1 (hfe), 2 (hfe, kfe) or 3 (haa, hfe, kfe).
         body_size: length, width, height of the box [m].
         body_mass: of the box [kg].
         thigh_length, shank_length: from hip to knee, from knee to foot [m].
@@ -74,7 +74,10 @@ def legged_urdf(
         >>> rr.Robot.from_urdf(hexapod, shell=rr.Sphere(0.3), shell_center=(0, 0, 0.25)).n_legs
         18
     """
-    for name, number, most in (("legs", legs, _MOST_LEGS), ("joints", joints, len(_CHAINS))):
+    for name, number, most in (
+        ("n_limbs", n_limbs, _MOST_LEGS),
+        ("n_joints", n_joints, len(_CHAINS)),
+    ):
         if isinstance(number, bool) or not isinstance(number, int) or not 1 <= number <= most:
             raise ParameterError(f"{name} is {number!r}: it must be a whole number, 1 to {most}.")
     size = vector("body_size", body_size, 3, "m", labels=("length", "width", "height"))
@@ -84,20 +87,20 @@ def legged_urdf(
         "thigh": finite("thigh_length", thigh_length, "m", above=0),
         "shank": finite("shank_length", shank_length, "m", above=0),
     }
-    masses = _leg_masses(finite("leg_mass", leg_mass, "kg", above=0), joints)
+    masses = _leg_masses(finite("leg_mass", leg_mass, "kg", above=0), n_joints)
     ends = (
         finite("max_rate", max_rate, "rad/s", above=0),
         finite("max_torque", max_torque, "N m", above=0),
     )
-    robot = ET.Element("robot", name=f"legged_{legs}x{joints}")
+    robot = ET.Element("robot", name=f"legged_{n_limbs}x{n_joints}")
     for name, rgba in _COLOURS.items():
         ET.SubElement(ET.SubElement(robot, "material", name=name), "color", rgba=rgba)
     length, width, height = size.tolist()
     squares = (width**2 + height**2, length**2 + height**2, length**2 + width**2)
     box = _Part("box", {"size": _row(*size)}, (0, 0, 0), _scaled(squares, 1 / 12))
     _link(robot, "body", "body", finite("body_mass", body_mass, "kg", above=0), [box])
-    for name, hip in _hips(legs, size):
-        _leg(robot, name, hip, joints, lengths, masses, ends)
+    for name, hip in _hips(n_limbs, size):
+        _leg(robot, name, hip, n_joints, lengths, masses, ends)
     ET.indent(robot)
     return urdf_text(robot) + "\n"
 

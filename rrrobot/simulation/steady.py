@@ -74,7 +74,7 @@ class SteadyState:
         phase: of the first harmonic, in (-pi, pi] (3,) [rad].
         mean: angle in the middle of the counted time (3,) [rad].
         period: of a cycle [s].
-        start: time of the first counted cycle [s].
+        after: time of the first counted cycle [s].
         cycles: number of counted cycles.
         variation: largest deviation of one cycle's step from the mean step, over the mean step
             (or over 1 um if that is more). Small means settled.
@@ -99,7 +99,7 @@ class SteadyState:
     phase: Array
     mean: Array
     period: float
-    start: float
+    after: float
     cycles: int
     variation: float
     net_rotation: Array = field(default_factory=lambda: np.full(3, np.nan))
@@ -149,25 +149,25 @@ class SteadyState:
                 )
                 for axis, amplitude, phase, mean in every
             ),
-            ("counted", f"{self.cycles} cycles of {self.period:.4g} s from {self.start:.4g} s"),
+            ("counted", f"{self.cycles} cycles of {self.period:.4g} s from {self.after:.4g} s"),
             ("steps vary by", f"{100 * self.variation:.2g} %"),
         ]
         return html_table("Steady state", rows)
 
 
 def steady_state(
-    trajectory: Motion, *, start: float | None = None, period: float | None = None
+    trajectory: Motion, *, after: float | None = None, period: float | None = None
 ) -> SteadyState:
     """Steady state of a trajectory; see the module for the definitions.
 
     Args:
         trajectory: sampled at least 24 times per cycle.
-        start: counted cycles begin at the first multiple of the period from here on [s]; the
+        after: counted cycles begin at the first multiple of the period from here on [s]; the
             middle of the run by default.
         period: of a cycle [s]; the gait's by default.
 
     Raises:
-        ParameterError: no period, too few cycles after `start`, too few samples per cycle.
+        ParameterError: no period, too few cycles after `after`, too few samples per cycle.
     """
     from scipy.interpolate import make_interp_spline
 
@@ -181,16 +181,17 @@ def steady_state(
         )
     period = finite("period", period, "s", above=0)
     middle = 0.5 * float(time[0] + time[-1])
-    start = finite("start", middle if start is None else start, "s", at_least=0)
-    start = max(start, float(time[0]))
+    after = finite("after", middle if after is None else after, "s", at_least=0)
+    after = max(after, float(time[0]))
     # On a curved path the cycle mean depends on where in the gait a cycle begins (circular gait:
     # 2e-4 of the speed), so cycles begin at whole multiples of the period.
-    start = period * math.ceil(start / period - 1e-9)
-    cycles = math.floor((duration - start) / period + 1e-9)
+    after = period * math.ceil(after / period - 1e-9)
+    cycles = math.floor((duration - after) / period + 1e-9)
     if cycles < 2:
         raise ParameterError(
-            f"only {max(cycles, 0)} whole cycles of {period:.4g} s fit between {start:.4g} s and "
-            f"{duration:.4g} s: a steady state needs 2. Simulate longer or start earlier."
+            f"only {max(cycles, 0)} whole cycles of {period:.4g} s fit between {after:.4g} s and "
+            f"{duration:.4g} s: a steady state needs 2. Simulate longer, or count from an earlier "
+            "time (after=)."
         )
     spacing = float(np.diff(time).max())
     if period / spacing < MIN_SAMPLES_PER_CYCLE - 1e-6:
@@ -200,9 +201,9 @@ def steady_state(
             f"{period / MIN_SAMPLES_PER_CYCLE:.4g} s."
         )
     motion = np.column_stack((trajectory.position, trajectory.euler))
-    inside = np.flatnonzero(time >= start - 8 * spacing)
+    inside = np.flatnonzero(time >= after - 8 * spacing)
     spline = make_interp_spline(time[inside], motion[inside], k=5)
-    edges: Array = start + period * np.arange(cycles + 1, dtype=np.float64)
+    edges: Array = after + period * np.arange(cycles + 1, dtype=np.float64)
     means = np.diff(spline.antiderivative()(edges), axis=0) / period
     steps = np.diff(means, axis=0) / period
     lengths = np.linalg.norm(steps[:, :2], axis=1)
@@ -231,7 +232,7 @@ def steady_state(
             phase=nothing,
             mean=nothing,
             period=period,
-            start=start,
+            after=after,
             cycles=cycles,
             variation=float(np.abs(lengths - speed).max() / floor),
             net_rotation=net,
@@ -254,7 +255,7 @@ def steady_state(
         phase=np.arctan2(cosine, sine),
         mean=mean,
         period=period,
-        start=start,
+        after=after,
         cycles=cycles,
         variation=float(np.abs(lengths - speed).max() / floor),
         net_rotation=net,

@@ -177,12 +177,12 @@ class Trajectory:
         return float(self.time[lifted[0]]) if lifted.size else None
 
     def steady_state(
-        self, *, start: float | None = None, period: float | None = None
+        self, *, after: float | None = None, period: float | None = None
     ) -> SteadyState:
         """Cycle means and amplitudes of the settled motion; see `rrrobot.simulation.steady`.
 
         Args:
-            start: time from which whole cycles are counted [s]; half the duration by default.
+            after: time from which whole cycles are counted [s]; half the duration by default.
             period: of the cycle [s]; the gait's by default.
 
         Example:
@@ -192,7 +192,7 @@ class Trajectory:
             >>> round(t.steady_state().speed, 5)
             0.00668
         """
-        return steady_state(self, start=start, period=period)
+        return steady_state(self, after=after, period=period)
 
     def plot(self, kind: str = "all", ax: Any = None) -> Any:
         """Plot "angles", "path", "energy", "force" or "legs" on `ax`, or "all" in one figure.

@@ -87,7 +87,7 @@ def plan_yaw(
     start: ArrayLike,
     goal: ArrayLike,
     *,
-    limits: ArrayLike | None = None,
+    angle_range: ArrayLike | None = None,
     pair: tuple[int, int] = (0, 1),
     max_rate: float = 2.4,
     max_cycles: int = 1000,
@@ -105,7 +105,7 @@ def plan_yaw(
         robot: with two legs or more and a spherical shell.
         start: (theta, phi_1, ..., phi_n) [rad].
         goal: likewise.
-        limits: (low, high) of every leg, or a row for each (legs, 2) [rad]; none unless given.
+        angle_range: (low, high) of every leg, or a row for each (legs, 2) [rad]; none unless given.
         pair: the two legs that make loops.
         max_rate: highest rate of a leg [rad/s].
         max_cycles: most cycles.
@@ -123,7 +123,8 @@ def plan_yaw(
     Example:
         >>> import rrrobot as rr
         >>> robot = rr.Robot.from_parameters()
-        >>> plan = rr.steering.plan_yaw(robot, (0.0, 1.2, 1.6), (0.3, 1.8, 1.0), limits=(0.4, 2.7))
+        >>> start, goal = (0.0, 1.2, 1.6), (0.3, 1.8, 1.0)
+        >>> plan = rr.steering.plan_yaw(robot, start, goal, angle_range=(0.4, 2.7))
         >>> t = rr.simulate(rr.YawModel(robot), plan.gait, plan.duration, sample_interval=1.0)
         >>> bool(abs(t.euler[-1, 2] - 0.3) < 1e-6), t.leg_angle[-1].round(9).tolist()
         (True, [1.8, 1.0])
@@ -138,7 +139,7 @@ def plan_yaw(
     speed = finite("max_rate", max_rate, "rad/s", above=0)
     if isinstance(max_cycles, bool) or not isinstance(max_cycles, int) or max_cycles < 1:
         raise ParameterError(f"max_cycles is {max_cycles!r}: it must be a whole number, 1 or more.")
-    box = _limits(limits, n)
+    box = _box(angle_range, n)
     for name, where in (("start", first), ("goal", last)):
         _inside(name, where[1:], box)
 
@@ -160,17 +161,17 @@ def plan_yaw(
     )
 
 
-def _limits(limits: ArrayLike | None, n: int) -> Array:
-    if limits is None:
+def _box(angle_range: ArrayLike | None, n: int) -> Array:
+    if angle_range is None:
         return np.tile((-np.inf, np.inf), (n, 1))
     try:
-        box = np.array(np.broadcast_to(np.asarray(limits, dtype=float), (n, 2)))
+        box = np.array(np.broadcast_to(np.asarray(angle_range, dtype=float), (n, 2)))
     except (TypeError, ValueError):
         box = np.full((n, 2), np.nan)
     if np.any(np.isnan(box)) or np.any(box[:, 0] >= box[:, 1]):
         raise ParameterError(
-            f"limits are {limits!r}: they must be (low, high) for all legs, or ({n}, 2) with one "
-            "row for each, low below high [rad]."
+            f"angle_range is {angle_range!r}: it must be (low, high) for all legs, or ({n}, 2) "
+            "with one row for each, low below high [rad]."
         )
     return box
 

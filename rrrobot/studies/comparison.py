@@ -54,13 +54,13 @@ class Comparison:
     states: dict[str, SteadyState]
     yaw_amplitude_factor: float | None
 
-    def ratio(self, model: str, quantity: str) -> float | None:
+    def ratio(self, name: str, quantity: str) -> float | None:
         """A model's speed, yaw_rate or curvature over the full model's; None where that is zero."""
         reference = getattr(self.states["full"], quantity)
         scale = {"speed": 1e-7, "yaw_rate": 1e-6, "curvature": 1e-4}[quantity]
         if abs(reference) < scale:
             return None
-        return float(getattr(self.states[model], quantity) / reference)
+        return float(getattr(self.states[name], quantity) / reference)
 
     def rows(self) -> list[dict[str, Any]]:
         """One plain dict for each model: values, and ratios to the full model."""

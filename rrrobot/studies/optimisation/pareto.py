@@ -63,7 +63,7 @@ class ParetoFront:
     Example:
         >>> import rrrobot as rr
         >>> model = rr.FullModel(rr.Robot.from_parameters())
-        >>> front = rr.pareto_front(model, points=3, budget=400, settle_time=8.0, tied=True)
+        >>> front = rr.pareto_front(model, n_points=3, budget=400, settle_time=8.0, tied=True)
         >>> bool(all(front.cost[1:] > front.cost[:-1]))
         True
     """
@@ -155,7 +155,7 @@ def pareto_front(
     model: Model,
     *,
     cost: str = "torque",
-    points: int = 16,
+    n_points: int = 16,
     offset: ArrayLike | None = None,
     amplitude: ArrayLike | None = None,
     angular_frequency: ArrayLike = (2.0, 14.0),
@@ -175,7 +175,7 @@ def pareto_front(
         model: `FullModel` or `PivotingModel`.
         cost: "torque", the rms over a cycle of all motors; or "power", the mean sum of
             |torque x rate|.
-        points: equal steps of speed from zero, at least 2; the front has as many gaits unless one
+        n_points: equal steps of speed from zero, at least 2; the front has as many gaits unless one
             is the best for several.
         budget: gaits that may be simulated; 30 000 for each harmonic unless given.
         offset, amplitude, angular_frequency, phase_difference, harmonics, tied, winding, limits,
@@ -189,7 +189,7 @@ def pareto_front(
         >>> import rrrobot as rr
         >>> model = rr.FullModel(rr.Robot.from_parameters())
         >>> front = rr.pareto_front(
-        ...     model, points=3, budget=400, settle_time=8.0, angular_frequency=8.0
+        ...     model, n_points=3, budget=400, settle_time=8.0, angular_frequency=8.0
         ... )
         >>> front.gaits[-1].n_legs
         2
@@ -197,7 +197,7 @@ def pareto_front(
     limits = file_limits(model.robot.joints) if limits is None else limits
     budget = 30_000 * harmonics if budget is None else budget
     LeastRate(rate=cost)
-    whole("points", points, at_least=2)
+    whole("n_points", n_points, at_least=2)
     space = Space(
         legs_of(model), **swing_of(model.robot.joints, offset, amplitude, tied=tied),
         angular_frequency=angular_frequency, phase_difference=phase_difference,
@@ -207,13 +207,13 @@ def pareto_front(
         raise ParameterError("every bound is one number: a front needs something to vary.")
     evaluator = prepare(model, space, limits, settle_time, budget, seed)
     with progress_of(progress, "gaits", int(budget), "gaits") as evaluator.tell:
-        tasks = _searched(evaluator, limits, weight_of(model), cost, points, seed)
+        tasks = _searched(evaluator, limits, weight_of(model), cost, n_points, seed)
     settings = {"settle_time": float(settle_time), "budget": int(budget), "seed": int(seed)}
     return _front(model, evaluator, tasks, cost, settings)
 
 
 def _searched(
-    evaluator: Evaluator, limits: GaitLimits, weight: float, cost: str, points: int, seed: int
+    evaluator: Evaluator, limits: GaitLimits, weight: float, cost: str, n_points: int, seed: int
 ) -> list[Task]:
     """Find the fastest gait, then the least cost at each speed; the tasks of the front's points."""
     fastest = Task(FastestTravel(), limits, weight)
@@ -227,7 +227,7 @@ def _searched(
             "no gait within the bounds is within the limits, so there is no front. `optimise` "
             "says which limits the nearest one breaks."
         )
-    speeds = -scores.min() * np.arange(1, points + 1) / points * (1 - 1e-3)
+    speeds = -scores.min() * np.arange(1, n_points + 1) / n_points * (1 - 1e-3)
     tasks = [fastest._replace(goal=LeastRate(rate=cost, min_speed=float(v))) for v in speeds]
     _descend(evaluator, tasks)
     return tasks

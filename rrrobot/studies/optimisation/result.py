@@ -150,7 +150,7 @@ def confirm(model: Model, gait: Gait, settle_time: float) -> tuple[Trajectory, S
     settled = np.ceil(settle_time / period) * period
     duration = settled + _CYCLES * period
     t = simulate(model, gait, duration, period / _SAMPLES)
-    state = t.steady_state(start=settled - 1e-9)
+    state = t.steady_state(after=settled - 1e-9)
     last = slice(-2 * _SAMPLES, None)
     row = measured(t, state, last)
     values = np.array([[float(row[name][0]) for name in columns()]])

@@ -179,7 +179,7 @@ def _cycle(given: Robot, knobs: Knobs, near: Outcome | None) -> dict[str, Any]:
     cycle = None
     if near is not None and near.cycle is not None:
         try:
-            cycle = limit_cycle(model, gait, start=near.cycle.point, steps_per_cycle=steps)
+            cycle = limit_cycle(model, gait, near=near.cycle.point, steps_per_cycle=steps)
         except (OrbitError, ModelError, RRRobotError):
             cycle = None
     if cycle is None or not cycle.stable or cycle.lifts_off:
