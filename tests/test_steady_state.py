@@ -65,7 +65,7 @@ def test_known_drift_amplitude_and_phase(amplitude, phase, mean, drift, velocity
     assert s.curvature == pytest.approx(drift[2] / speed, rel=1e-5, abs=1e-5)
     np.testing.assert_allclose(s.amplitude, amplitude, atol=1e-8)
     np.testing.assert_allclose(np.exp(1j * s.phase), np.exp(1j * phase), atol=1e-6)
-    middle = s.start + 0.5 * s.cycles * s.period
+    middle = s.after + 0.5 * s.cycles * s.period
     np.testing.assert_allclose(s.mean, mean + drift * middle, atol=1e-8)
     assert s.variation < 1e-4
     difference = np.exp(1j * (phase[1] - phase[2]))
@@ -100,13 +100,13 @@ def test_circle_has_its_curvature():
 def test_counted_cycles_are_whole_and_begin_at_multiples_of_the_period():
     t = motion(velocity=np.array((0.01, 0)), duration=20.0)
     s = t.steady_state()
-    assert s.start == pytest.approx(13 * PERIOD)
-    assert s.start >= 10.0
+    assert s.after == pytest.approx(13 * PERIOD)
+    assert s.after >= 10.0
     assert s.cycles == 12
     from_zero = t.steady_state(after=0)
-    assert (from_zero.start, from_zero.cycles) == (0.0, 25)
+    assert (from_zero.after, from_zero.cycles) == (0.0, 25)
     late = t.steady_state(after=3 * PERIOD)
-    assert late.start == pytest.approx(3 * PERIOD)
+    assert late.after == pytest.approx(3 * PERIOD)
     assert late.cycles == 22
 
 
@@ -128,7 +128,7 @@ def test_variation_tells_a_motion_that_has_not_settled():
         metadata={"period": PERIOD},
     )  # fmt: skip
     s = t.steady_state()
-    steps = 0.01 * (1 + 0.04 * (s.start + PERIOD * np.arange(1, s.cycles)))
+    steps = 0.01 * (1 + 0.04 * (s.after + PERIOD * np.arange(1, s.cycles)))
     assert s.speed == pytest.approx(steps.mean(), abs=1e-10)
     assert s.variation == pytest.approx((steps.max() - steps.mean()) / steps.mean(), rel=1e-6)
 
