@@ -145,7 +145,7 @@ def kkt_motion(gait: rr.SinusoidalGait, damping: rr.drive.Damping | float = KAPP
         full_model(damping), gait, duration=CYCLES * PERIOD, sample_interval=PERIOD / 96,
         rtol=1e-12, atol=1e-12,
     )  # fmt: skip
-    s = t.steady_state(start=(CYCLES - COUNTED) * PERIOD)
+    s = t.steady_state(after=(CYCLES - COUNTED) * PERIOD)
     return Motion(np.array([s.speed]), np.array([s.yaw_rate]))
 
 

@@ -182,7 +182,7 @@ def own_rows(true: Motion) -> Iterator[dict[str, Any]]:
             rr.simulate, model, duration=CYCLES * PERIOD, sample_interval=PERIOD / 50, method=method
         )
         timings = [median(repeated(partial(march, gait), 3)) for gait in gaits]
-        states = [march(gait).steady_state(start=(CYCLES - COUNTED) * PERIOD) for gait in gaits]
+        states = [march(gait).steady_state(after=(CYCLES - COUNTED) * PERIOD) for gait in gaits]
         found = Motion(*(np.array([getattr(s, k) for s in states]) for k in Motion._fields))
         timing = Timing(*(float(np.mean(both)) for both in zip(*timings, strict=True)))
         yield row("rrrobot", release, name, None, timing, found, true)
