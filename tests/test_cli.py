@@ -12,6 +12,7 @@ import urllib.request
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -524,24 +525,28 @@ def test_view_writes_a_film_of_a_saved_run(tmp_path: Path) -> None:
     assert_refused(run("view", "--duration", "0"), "duration is 0.0 s")
 
 
-def test_view_plays(monkeypatch: pytest.MonkeyPatch) -> None:
-    from rrrobot.view import viewer
+def test_view_serves_the_film(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The page that is served is the film's, as long as the command runs."""
+    from rrrobot.cli import view
 
-    calls: list[object] = []
+    served: list[str] = []
+    opened: list[str] = []
 
-    def play(self: object, trajectory: rr.Trajectory, **options: object) -> None:
-        calls.append((len(trajectory), options))
+    def wait() -> None:
+        with urllib.request.urlopen(opened[0], timeout=10) as page:
+            served.append(page.read().decode())
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(viewer.Viewer, "wait_for_browser", lambda self: True)
-    monkeypatch.setattr(viewer.Viewer, "play", play)
-    opened: list[str] = []
-    monkeypatch.setattr(viewer.webbrowser, "open", opened.append)
-    result = run("view", "--gait", "circular", "--duration", "0.2", "--speed", "2", "--loop")
+    monkeypatch.setattr(
+        view, "threading", SimpleNamespace(Event=lambda: SimpleNamespace(wait=wait))
+    )
+    monkeypatch.setattr(view.webbrowser, "open", opened.append)
+    result = run("view", "--gait", "circular", "--duration", "0.2", "--speed", "2", "--quiet")
     assert result.exit_code == 0, result.output
-    assert calls == [(21, {"speed": 2.0, "loop": True})]
-    assert opened == [result.stdout.split()[0]]
-    assert result.stderr == "closed\n"
+    assert opened == [result.stdout.split()[0]] and result.stderr == "closed\n"
+    (page,) = served
+    assert '"speed": 2.0' in page and '"loop": false' in page
+    assert page.count("<polyline") == 3 + 2 + 2  # roll, pitch, yaw, two angles, two torques
 
 
 def test_view_serves_until_ctrl_c() -> None:

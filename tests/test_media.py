@@ -9,7 +9,7 @@ import pytest
 from PIL import Image
 
 import rrrobot as rr
-from rrrobot.view.frames import animation, film_times, strip
+from rrrobot.view.frames import film_times, gif, strip
 from tests.browser import find_browser
 from tests.test_cli import assert_refused, run
 
@@ -50,11 +50,11 @@ def test_a_video_shows_at_each_time_what_the_page_shows(trajectory, tmp_path):
 
 def test_a_gif_and_a_strip_hold_their_pictures():
     pictures = [np.full((20, 30, 3), (60 * k, 0, 255 - 60 * k), np.uint8) for k in range(3)]
-    gif = Image.open(io.BytesIO(animation(iter(pictures), 10.0)))
-    assert gif.n_frames == 3 and gif.size == (30, 20) and gif.info["duration"] == 100
+    made = Image.open(io.BytesIO(gif(iter(pictures), 10.0)))
+    assert made.n_frames == 3 and made.size == (30, 20) and made.info["duration"] == 100
     for k, picture in enumerate(pictures):
-        gif.seek(k)
-        assert np.abs(np.asarray(gif.convert("RGB"), dtype=int) - picture).max() <= 3
+        made.seek(k)
+        assert np.abs(np.asarray(made.convert("RGB"), dtype=int) - picture).max() <= 3
     row = np.asarray(Image.open(io.BytesIO(strip(iter(pictures)))))
     assert row.shape == (20, 90, 3) and row[0, 45].tolist() == [60, 0, 195]
     assert film_times(1.0, 4.0) == [0.0, 0.25, 0.5, 0.75, 1.0] and film_times(0.0, 30.0) == [0.0]

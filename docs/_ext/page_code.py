@@ -169,7 +169,8 @@ def _digest() -> str:
     import rrrobot
 
     source = hashlib.sha256(sys.version.encode())
-    for path in sorted(Path(rrrobot.__file__).parent.rglob("*.py")):
-        source.update(path.read_bytes())
+    for path in sorted(Path(rrrobot.__file__).parent.rglob("*")):
+        if path.suffix in (".py", ".js", ".css", ".html"):
+            source.update(path.read_bytes())
     source.update(Path(__file__).read_bytes())
     return source.hexdigest()

@@ -47,9 +47,6 @@ def _run_all(app: Sphinx) -> None:
                 ran[name] = run_page(*work[name])
     except PageError as error:
         raise ExtensionError(str(error)) from None
-    for name in names:
-        for film in _folder(app, name).glob("*.html"):
-            _fold_controls(film)
     app.pages_ran = ran  # type: ignore[attr-defined]
 
 
@@ -57,12 +54,6 @@ def _columns(work: dict[str, Any], names: list[str]) -> list[list[Any]]:
     return [
         list(column) for column in zip(*(work[name] for name in names), strict=True)
     ]
-
-
-def _fold_controls(film: Path) -> None:
-    """Close the film's controls, which would cover a small frame; a click opens them."""
-    page = film.read_text()
-    film.write_text(page.replace("viewer.gui.open();", "viewer.gui.close();"))
 
 
 def _folder(app: Sphinx, name: str) -> Path:

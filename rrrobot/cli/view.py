@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import threading
+import webbrowser
 from typing import Any
 
 import click
@@ -39,7 +40,11 @@ GENERATED = {"legged:6": "six legs of three joints", "legged:1x3": "one leg of t
 @click.option(
     "--speed", type=NUMBER, default="1", show_default=True, help="Simulated seconds per second."
 )
-@click.option("--loop", is_flag=True, help="Play again and again.")
+@click.option("--loop", is_flag=True, help="The page plays again and again; a film always does.")
+@click.option("--labels", is_flag=True, help="The legs' names beside them.")
+@click.option("--force", is_flag=True, help="The contact's force as an arrow.")
+@click.option("--translucent", is_flag=True, help="A shell that lets through what it hides.")
+@click.option("--curves", is_flag=True, help="Angles and motor torques beneath; a page has them.")
 @click.option("--no-browser", is_flag=True, help="Print the address, open no browser.")
 @click.option("--html", metavar="FILE", help="Write the film to this .html instead, and end.")
 @click.option(
@@ -57,6 +62,10 @@ def view(
     duration: float,
     speed: float,
     loop: bool,
+    labels: bool,
+    force: bool,
+    translucent: bool,
+    curves: bool,
     no_browser: bool,
     html: str | None,
     film: str | None,
@@ -68,12 +77,13 @@ def view(
     """Show a saved trajectory, or a gait of RRRobot, in the browser.
 
     Prints the address of the page, which only this computer can open, and serves it until Ctrl-C.
+    The page has a clock, a speed, play and pause (the space bar), and says what else it can show.
 
     \b
     Examples:
       rrrobot view --gait circular --loop
       rrrobot view run.npz --speed 0.5
-      rrrobot view run.npz --html run.html
+      rrrobot view run.npz --labels --force --html run.html
       rrrobot view --gait circular --film circular.mp4 --size 1280x720
     """
     if html is not None and film is not None:
@@ -88,30 +98,34 @@ def view(
         model = FullModel(Robot.from_parameters())
         legs = named_gait(gait) if gait in GAITS else read_gait(gait)
         trajectory = simulate(model, legs, duration, progress=False if quiet else None)
+    looks: dict[str, Any] = {
+        "speed": speed, "fps": fps, "follow": follow, "labels": labels, "force": force,
+        "translucent": translucent, "curves": curves or target is None,
+    }  # fmt: skip
     if target is not None:
         from rrrobot.view.films import record
 
-        record(
-            trajectory, target, speed=speed, size=size, fps=fps, follow=follow,
-            progress=False if quiet else None,
-        )  # fmt: skip
+        record(trajectory, target, size=size, progress=False if quiet else None, **looks)
         click.echo(f"wrote {target}")
         return
-    _serve(trajectory, speed=speed, loop=loop, open_browser=not no_browser)
+    _serve(trajectory, open_browser=not no_browser, loop=loop, **looks)
 
 
-def _serve(trajectory: Trajectory, *, speed: float, loop: bool, open_browser: bool) -> None:
-    from rrrobot.view.viewer import Viewer
+def _serve(trajectory: Trajectory, *, open_browser: bool, **looks: Any) -> None:
+    from rrrobot.view.films import film_html
+    from rrrobot.view.server import SceneServer
 
-    with Viewer(trajectory.robot, ground=trajectory.ground, open_browser=open_browser) as viewer:
-        try:
-            click.echo(f"{viewer.url}  (Ctrl-C ends)")
-            # A motion that plays to nobody would be over when the page opens.
-            viewer.wait_for_browser()
-            viewer.play(trajectory, speed=speed, loop=loop)
-            threading.Event().wait()
-        except KeyboardInterrupt:
-            click.echo("closed", err=True)
+    page = film_html(trajectory, **looks)
+    server = SceneServer(trajectory.robot.name, page=page)
+    try:
+        click.echo(f"{server.url}  (Ctrl-C ends)")
+        if open_browser:
+            webbrowser.open(server.url)
+        threading.Event().wait()
+    except KeyboardInterrupt:
+        click.echo("closed", err=True)
+    finally:
+        server.close()
 
 
 @click.command()

@@ -137,14 +137,15 @@ class Browser:
 
     def seek(self, at_time: float) -> None:
         """Hold the film at a time [s]."""
-        self.run(f"viewer.animator.pause(); viewer.animator.seek({at_time}); viewer.render()")
+        hold = f"viewer.animator.pause(); viewer.animator.seek({at_time})"
+        self.run(f"{hold}; page.draw(); viewer.render()")
 
     def png(self) -> bytes:
-        """The page as it looks now, without Meshcat's controls."""
-        self.run("viewer.gui.hide()")
-        self.run("viewer.render()")
+        """The page as it looks now, without its controls."""
+        was = json.dumps(self.run("page.still"))
+        self.run("page.hold(true); viewer.render()")
         answer = self.call("Page.captureScreenshot", format="png")
-        self.run("viewer.gui.show()")
+        self.run(f"page.hold({was})")
         return base64.b64decode(answer["data"])
 
     def picture(self) -> NDArray[np.int64]:

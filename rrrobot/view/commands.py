@@ -64,6 +64,16 @@ def material(colour: Colour, kind: str = "MeshPhongMaterial", **options: Any) ->
     return look | options
 
 
+def css(colour: Colour) -> str:
+    """A colour as HTML writes it.
+
+    Example:
+        >>> css((1.0, 0.5, 0.0))
+        '#ff8000'
+    """
+    return "#" + "".join(f"{round(255 * part):02x}" for part in colour[:3])
+
+
 def set_transform(path: str, at: pin.SE3) -> Command:
     """Move a node of the tree."""
     return {"type": "set_transform", "path": path, "matrix": at.homogeneous.T.ravel().tolist()}
@@ -145,23 +155,49 @@ def sun(toward: Array, radius: float) -> Command:
     )
 
 
+def arrow(
+    path: str,
+    direction: Array,
+    length: float,
+    look: Command,
+    at: pin.SE3 | None = None,
+    width: float = 0.012,
+    **options: Any,
+) -> list[Command]:
+    """An arrow of a length [m] along a direction (3,) of a frame, its shaft and its tip.
+
+    Args:
+        path: of the shaft; the tip's is the same with " tip".
+        direction: of unit length.
+        length: from the frame's origin to the tip [m].
+        look: a material.
+        at: the frame.
+        width: half of the shaft's, in lengths.
+        **options: of both objects.
+    """
+    frame = pin.SE3.Identity() if at is None else at
+    # three.js has a cylinder's axis along y.
+    turn = pin.Quaternion.FromTwoVectors(np.array((0.0, 1.0, 0.0)), direction).matrix()
+    commands = []
+    for name, top, bottom, start, end in (
+        ("", width, width, 0.0, 0.9),
+        (" tip", 0, 2.9 * width, 0.9, 1),
+    ):
+        tall, middle = (end - start) * length, (start + end) / 2 * length
+        shape = {"type": "CylinderGeometry", "radialSegments": 16, "height": tall}
+        shape |= {"radiusTop": top * length, "radiusBottom": bottom * length}
+        place = frame * pin.SE3(turn, middle * direction)
+        commands.append(set_mesh(f"{path}{name}", shape, look, place, **options))
+    return commands
+
+
 def arrows(path: str, length: float, at: pin.SE3) -> list[Command]:
     """Arrows of a length [m] along the axes of a frame: x red, y green, z blue."""
-    commands = []
-    for axis, colour in enumerate(AXIS_COLOURS):
-        # three.js has a cylinder's axis along y.
-        to = np.eye(3)[:, axis]
-        turn = pin.Quaternion.FromTwoVectors(np.array((0.0, 1.0, 0.0)), to).matrix()
-        for name, top, width, start, end in (
-            ("", 1.0, 0.012, 0.0, 0.9),
-            (" tip", 0, 0.035, 0.9, 1),
-        ):
-            tall, middle = (end - start) * length, (start + end) / 2 * length
-            shape = {"type": "CylinderGeometry", "radialSegments": 16, "height": tall}
-            shape |= {"radiusTop": top * width * length, "radiusBottom": width * length}
-            place = at * pin.SE3(turn, middle * to)
-            commands.append(set_mesh(f"{path}/{'xyz'[axis]}{name}", shape, material(colour), place))
-    return commands
+    return [
+        command
+        for name, to, colour in zip("xyz", np.eye(3), AXIS_COLOURS, strict=True)
+        for command in arrow(f"{path}/{name}", to, length, material(colour), at)
+    ]
 
 
 def track(name: str, kind: str, times: ArrayLike, values: ArrayLike) -> Command:

@@ -20,12 +20,14 @@ class Film(NamedTuple):
     """A trajectory in k frames at even times.
 
     Attributes:
+        time: of the motion (k,) [s].
         configuration: (k, nq).
         fps: frames per second [1/s].
         path: contact points in the ground plane (m, 2) [m], as many as show the path well.
         reached: number of these points that each frame has behind it (k,), from 1.
     """
 
+    time: Array
     configuration: Array
     fps: float
     path: Array
@@ -58,7 +60,7 @@ def make_film(trajectory: Trajectory | Play, *, fps: float, speed: float, detail
         )
     kept = thin(trajectory.position, detail)
     if duration == 0:
-        return Film(q[:1], fps, trajectory.position[:1], np.ones(1, dtype=np.int64))
+        return Film(times[:1], q[:1], fps, trajectory.position[:1], np.ones(1, dtype=np.int64))
     steps = max(1, round(wanted))
     at = np.linspace(times[0], times[-1], steps + 1)
     index = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)
@@ -66,7 +68,8 @@ def make_film(trajectory: Trajectory | Play, *, fps: float, speed: float, detail
     model = trajectory.robot.model
     frames = [pin.interpolate(model, q[i], q[i + 1], s) for i, s in zip(index, share, strict=True)]
     reached = np.searchsorted(times[kept], at, side="right")
-    return Film(np.array(frames), steps * speed / duration, trajectory.position[kept], reached)
+    shown = trajectory.position[kept]
+    return Film(at, np.array(frames), steps * speed / duration, shown, reached)
 
 
 def thin(points: Array, detail: float) -> NDArray[np.int64]:

@@ -14,11 +14,15 @@ from rrrobot.files import check_writable, write_whole
 from rrrobot.machines.history import History
 from rrrobot.progress import Progress, progress_of
 from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.view.commands import WIDTH
+from rrrobot.view.curves import curves_html
 from rrrobot.view.film import make_film
-from rrrobot.view.frames import animation, checked_size, film_times, frames, strip, video
+from rrrobot.view.frames import checked_size, film_times, frames, gif, strip, video
+from rrrobot.view.marks import page_data
+from rrrobot.view.motion import animation, force_clip, force_objects, force_of
+from rrrobot.view.page import film_page
 from rrrobot.view.player import Play, play_of
 from rrrobot.view.scene import Scene
-from rrrobot.view.server import film_page
 
 Trace: TypeAlias = bool | Literal["whole"]
 
@@ -34,6 +38,10 @@ def record(
     speed: float = 1.0,
     trace: Trace = True,
     axes: bool = True,
+    labels: bool = False,
+    force: bool = False,
+    translucent: bool = False,
+    curves: bool = False,
     follow: bool = False,
     size: tuple[int, int] = (960, 540),
     camera: ArrayLike | None = None,
@@ -43,10 +51,11 @@ def record(
 ) -> Path:
     """Write a trajectory as a film, or as a picture of it; the file's suffix says which.
 
-    .html plays in any browser, over and over, without a network. Its page has Meshcat's controls:
-    play, pause, reset, a slider for the time, a switch for each object; the mouse turns, shifts and
-    zooms the camera. .mp4, .gif and .png are drawn from the same page by a headless Chromium or
-    Chrome, which must be installed; .mp4 needs the extra `media`. The grid gives the scale.
+    .html plays in any browser, over and over, without a network. Its page has a clock, play and
+    pause, a speed, and switches for what `axes` to `curves` and `trace` show; the mouse turns,
+    shifts and zooms the camera. .mp4, .gif and .png are drawn from the same page by a headless
+    Chromium or Chrome, which must be installed; .mp4 needs the extra `media`. The grid gives the
+    scale.
 
     Args:
         trajectory: what to show; or a machine's history.
@@ -56,6 +65,10 @@ def record(
         trace: of the contact point: True grows with the motion, "whole" is there from the start,
             False is none.
         axes: whether to draw the axes of the world and of the shell: x red, y green, z blue.
+        labels: whether the legs' names stand beside them.
+        force: whether to draw the contact's force: an arrow, 1.2 shell radii long for the weight.
+        translucent: whether the shell lets through what it hides.
+        curves: whether the body's and the legs' angles and the motor torques are plotted beneath.
         follow: whether the camera goes with the robot; else the whole path is in view.
         size: width and height of .mp4, .gif and .png, even numbers [px].
         camera: place of the camera relative to what it looks at (3,) [m]; where it sees all unless
@@ -95,8 +108,8 @@ def record(
         raise ParameterError("at would do nothing but for a .png: leave it out.")
     instants = _instants(trajectory, at) if kind == ".png" else None
     page = film_html(
-        trajectory, fps=fps, speed=speed, trace=trace, axes=axes, follow=follow, camera=camera,
-        caption=caption,
+        trajectory, fps=fps, speed=speed, trace=trace, axes=axes, labels=labels, force=force,
+        translucent=translucent, curves=curves, follow=follow, camera=camera, caption=caption,
     )  # fmt: skip
     if kind in (".html", ".htm"):
         return write_whole(target, page)
@@ -106,7 +119,7 @@ def record(
             late = [(t - float(trajectory.time[0])) / speed for t in instants]
             return write_whole(target, strip(frames(page, pixels, late, progress=tell)))
         pictures = frames(page, pixels, film_times(duration / speed, fps), progress=tell)
-        content = video(pictures, pixels, fps) if kind == ".mp4" else animation(pictures, fps)
+        content = video(pictures, pixels, fps) if kind == ".mp4" else gif(pictures, fps)
     return write_whole(target, content)
 
 
@@ -130,12 +143,19 @@ def film_html(
     speed: float = 1.0,
     trace: Trace = True,
     axes: bool = True,
+    labels: bool = False,
+    force: bool = False,
+    translucent: bool = False,
+    curves: bool = False,
     follow: bool = False,
     camera: ArrayLike | None = None,
     caption: bool | str = True,
+    loop: bool = True,
 ) -> bytes:
     """The page that `record` writes, with the same options."""
     _check_trace(trace)
+    show = {"axes": axes, "labels": labels, "force": force, "translucent": translucent}
+    show["curves"] = curves
     played = play_of(trajectory) if isinstance(trajectory, History) else trajectory
     scene = Scene(played.robot, played.ground)
     film = make_film(played, fps=fps, speed=speed, detail=scene.detail)
@@ -147,17 +167,25 @@ def film_html(
         place = vector("camera", camera, 3, "m")
         if not np.linalg.norm(place) > scene.size:
             raise ParameterError(f"camera is {place.tolist()} m: that is within the shell.")
-        view = view._replace(camera=place)
-    commands = scene.objects(axes=axes)
+        view = view._replace(camera=place, width=WIDTH)
+    commands = scene.objects(axes=axes) + (scene.glass() if scene.shell_paths else [])
     commands += scene.camera(view) + scene.stage(centers, view) + scene.place(poses[0])
     ribbon = bool(trace) and len(film.path) > 1
     if ribbon:
         commands.append(scene.trace(film.path, view))
+        show["trace"] = True
+    data = page_data(scene, played, view, speed=speed, loop=loop, show=show)
+    pushed = force_of(played)
     if len(poses) > 1:
         grown = film.reached - 1 if ribbon and trace is True else None
-        commands.append(scene.animation(poses, film.fps, follow=follow, grown=grown))
+        more = []
+        if pushed is not None:
+            commands += force_objects()
+            more.append(force_clip(scene, played, pushed, film, poses))
+        commands.append(animation(scene, poses, film.fps, follow=follow, grown=grown, more=more))
     words = _caption(played, scene, speed) if caption is True else caption or ""
-    return film_page(words, commands)
+    plots = curves_html(played) if isinstance(played, Trajectory) else ""
+    return film_page(words, commands, data, plots)
 
 
 def _check_trace(trace: Trace) -> None:

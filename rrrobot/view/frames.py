@@ -47,7 +47,7 @@ def frames(
         path.write_bytes(page)
         with Browser(size, timeout=120.0) as browser:
             browser.open(path.as_uri())
-            browser.run("viewer.gui.hide()")
+            browser.run("page.hold(true)")
             for time in times:
                 browser.seek(time)
                 yield browser.picture().astype(np.uint8)
@@ -85,7 +85,7 @@ def video(pictures: Iterator[Pixels], size: Size, fps: float) -> bytes:
         return path.read_bytes()
 
 
-def animation(pictures: Iterator[Pixels], fps: float) -> bytes:
+def gif(pictures: Iterator[Pixels], fps: float) -> bytes:
     """A .gif of the pictures that plays again and again; its clock has hundredths of a second."""
     from PIL import Image
 

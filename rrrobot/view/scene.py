@@ -1,8 +1,7 @@
 """A robot on its ground, as commands of Meshcat's viewer, which draws with three.js.
 
-A command is a dict of Meshcat's protocol: set_object, set_transform, set_property or
-set_animation. Nothing here needs a server or a browser: `viewer.py` writes the commands to a file
-or sends them to a browser.
+A command is a dict of Meshcat's protocol: set_object, set_transform or set_property. Nothing here
+needs a server or a browser: `page.py` writes the commands to a file, `viewer.py` sends them.
 
 The tree: /world/robot/<joint> moves with a joint; /world/ground has its x and y in the ground
 plane and holds shadows, grid and the contact point's trace; /world/axes are the world's. Meshcat's
@@ -12,13 +11,12 @@ camera and the light look at a fixed point, so it is /world that shifts to bring
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.contact.ground import Ground, Plane, ground_basis
@@ -30,7 +28,6 @@ from rrrobot.view.commands import (
     Command,
     arrows,
     attribute,
-    clip,
     lens,
     material,
     ribbon_mesh,
@@ -38,18 +35,17 @@ from rrrobot.view.commands import (
     set_property,
     set_transform,
     sun,
-    track,
 )
 from rrrobot.view.player import Figure
-from rrrobot.view.shapes import Visual, robot_visuals
+from rrrobot.view.shapes import Visual, robot_visuals, shell_size, shell_visuals
 from rrrobot.view.terrain import lay, surface
 
 _CAMERA_FROM = (-0.48, -0.78, 0.40)  # along the way, to its left, up
 _SUN_FROM = (0.35, -0.40, 0.90)  # towards the camera, right, up
 _TOP, _BOTTOM = (0.87, 0.91, 0.95), (0.98, 0.985, 0.99)
-_GRID, _TRACE = (0.60, 0.65, 0.70), (0.78, 0.03, 0.30)
+_GRID = (0.60, 0.65, 0.70)
+TRACE_COLOUR = (0.78, 0.03, 0.30)
 _AXIS = 1.45  # length of the shell's axes, in shell sizes
-_STEPPED = 2300  # three.js: InterpolateDiscrete
 
 
 class Pose(NamedTuple):
@@ -74,12 +70,14 @@ class View(NamedTuple):
         camera: its place relative to the target (3,) [m].
         sun: direction towards the light (3,), of any length.
         follow: whether the target is to go with the robot.
+        width: of a picture that shows all, in its heights.
     """
 
     target: Array
     camera: Array
     sun: Array
     follow: bool
+    width: float
 
 
 class Scene:
@@ -115,7 +113,7 @@ class Scene:
         self.visuals = robot_visuals(robot)
         self.joints = sorted({1, *(visual.joint for visual in self.visuals)})
         self.data = robot.model.createData()
-        self.size = _shell_size(robot)
+        self.size = shell_size(robot)
         self.reach = _AXIS * self.size
         self.hold([self.rest()])
         self.detail = 0.02 * self.size
@@ -162,18 +160,38 @@ class Scene:
             ),
             lens(self.size),
         ]
-        for i, visual in enumerate(self.visuals):
-            path = f"{self.path(visual.joint)}/{i} {visual.name.replace('/', '_')}"
-            look = material(visual.colour, flatShading=visual.flat)
-            commands.append(set_mesh(path, visual.geometry, look, visual.placement))
-            if look["opacity"] < 1:  # lets the light in
-                commands.append(set_property(f"{path}/<object>", "castShadow", False))
+        for path, visual in self._visual_paths():
+            commands += _drawn(path, visual)
         return commands + self.axes(axes)
+
+    def _visual_paths(self) -> Iterator[tuple[str, Visual]]:
+        for i, visual in enumerate(self.visuals):
+            yield f"{self.path(visual.joint)}/{i} {visual.name.replace('/', '_')}", visual
+
+    @property
+    def shell_paths(self) -> list[str]:
+        """Nodes that draw the shell as the URDF has it, if it has."""
+        return [path for path, visual in self._visual_paths() if visual.shell]
+
+    @property
+    def glass_path(self) -> str:
+        """Node of the shell that `glass` draws."""
+        return f"{self.path(1)}/glass"
+
+    def glass(self) -> list[Command]:
+        """The shell as one that lets light through, to be shown in place of the URDF's."""
+        visuals = enumerate(shell_visuals(self.robot))
+        return [c for i, visual in visuals for c in _drawn(f"{self.glass_path}/{i}", visual)]
+
+    @property
+    def axes_paths(self) -> list[str]:
+        """Nodes of the axes of the world and of the shell."""
+        return ["/world/axes", f"{self.path(1)}/axes"]
 
     def axes(self, visible: bool) -> list[Command]:
         """Arrows along the world's axes and the shell's."""
         length = _AXIS * self.size
-        world, body = "/world/axes", f"{self.path(1)}/axes"
+        world, body = self.axes_paths
         commands = arrows(world, 0.8 * length, pin.SE3.Identity())
         commands += arrows(body, length, self.robot.shell_placement)
         return commands + [set_property(path, "visible", visible) for path in (world, body)]
@@ -205,13 +223,20 @@ class Scene:
         toward /= np.linalg.norm(toward)
         right = np.cross(up, toward)
         right /= np.linalg.norm(right)
-        away = 0.0
+        away, tall = 0.0, math.tan(math.radians(FIELD_OF_VIEW / 2))
+        near = (seen - middle) @ toward
         for side, wide in ((right, WIDTH), (np.cross(toward, right), 1.0)):
-            half = math.atan(wide * math.tan(math.radians(FIELD_OF_VIEW / 2)))
+            half = math.atan(wide * tall)
             aside = np.abs((seen - middle) @ side) * math.cos(half) + self.reach
-            away = max(away, float(np.max(aside / math.sin(half) + (seen - middle) @ toward)))
+            away = max(away, float(np.max(aside / math.sin(half) + near)))
+        # From there, how wide the picture has to be.
+        aside, ahead = np.abs((seen - middle) @ right), away - near
+        half = float(
+            np.max(np.arctan2(aside, ahead) + np.arcsin(self.reach / np.hypot(aside, ahead)))
+        )
         x, y, z = _SUN_FROM
-        return View(middle, away * toward, x * toward + y * right + z * up, follow)
+        sun = x * toward + y * right + z * up
+        return View(middle, away * toward, sun, follow, min(WIDTH, math.tan(half) / tall))
 
     def camera(self, view: View) -> list[Command]:
         """Put the camera there; the mouse moves it from then on."""
@@ -275,54 +300,23 @@ class Scene:
         width = max(self.detail, 0.003 * float(np.linalg.norm(view.camera)))
         bend = None if self._flat else partial(lay, self.ground)
         ribbon = ribbon_mesh(contacts, width, lift=0.2 * self.detail, bend=bend)
-        return set_mesh(path, ribbon, material(_TRACE, "MeshBasicMaterial"))
-
-    def animation(
-        self, poses: Sequence[Pose], fps: float, *, follow: bool, grown: NDArray[np.int64] | None
-    ) -> Command:
-        """Play the poses again and again.
-
-        Args:
-            poses: a frame each.
-            fps: frames per second [1/s].
-            follow: whether the camera goes with the robot.
-            grown: number of steps of the trace to show in each frame (n,); None for no trace or
-                for the whole.
-        """
-        times = np.arange(len(poses))
-        clips = []
-        for joint in self.joints:
-            at = [pose.joints[joint] for pose in poses]
-            turns = np.array([pin.Quaternion(placement.rotation).coeffs() for placement in at])
-            moves = np.array([placement.translation for placement in at])
-            tracks = (
-                track(".position", "vector3", times, moves),
-                track(".quaternion", "quaternion", times, turns),
-            )
-            clips.append(clip(self.path(joint), fps, *tracks))
-        if follow:
-            centers = np.array([pose.center for pose in poses])
-            clips.append(clip("/world", fps, track(".position", "vector3", times, -centers)))
-        if grown is not None:
-            # How many of the ribbon's indices are drawn, six for each step.
-            grow = track(".geometry[drawRange].count", "number", times, 6 * grown)
-            grow["interpolation"] = _STEPPED
-            clips.append(clip("/world/ground/trace/<object>", fps, grow))
-        options = {"play": True, "repetitions": math.inf}
-        return {"type": "set_animation", "animations": clips, "options": options, "path": ""}
+        return set_mesh(path, ribbon, material(TRACE_COLOUR, "MeshBasicMaterial"))
 
 
 _MESHCAT_OWN = ("/Grid", "/Axes", "/Lights/PointLightNegativeX", "/Lights/PointLightPositiveX")
 
 
+def _drawn(path: str, visual: Visual) -> list[Command]:
+    look = material(visual.colour, flatShading=visual.flat)
+    commands = [set_mesh(path, visual.geometry, look, visual.placement)]
+    if look["opacity"] < 1:  # lets the light in
+        commands.append(set_property(f"{path}/<object>", "castShadow", False))
+    return commands
+
+
 def _reach(visual: Visual, pose: Pose) -> float:
     at = pose.joints[visual.joint].act(visual.placement.translation)
     return float(np.linalg.norm(at - pose.center)) + visual.reach
-
-
-def _shell_size(robot: Robot | Figure) -> float:
-    """The shell's largest half-width along its axes [m]."""
-    return max(robot.shell.support(u) for u in np.vstack((np.eye(3), -np.eye(3))))
 
 
 def _round_number(value: float) -> float:

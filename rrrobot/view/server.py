@@ -1,6 +1,5 @@
-"""Meshcat's viewer page: as one file that needs no network, or served to this computer alone.
+"""Serves the viewer's page, or a film, to this computer alone.
 
-The page holds Meshcat's own script, main.min.js. Commands are MessagePack, as Meshcat sends them.
 The server is a thread of the script that draws: it listens on the loopback interface and nowhere
 else, takes no commands from the network, and ends with the script however that ends.
 """
@@ -8,84 +7,20 @@ else, takes no commands from the network, and ends with the script however that 
 from __future__ import annotations
 
 import atexit
-import base64
 import contextlib
-import html
-import importlib.util
 import socket
 import threading
 from collections.abc import Iterable
-from pathlib import Path
 from typing import Any, NamedTuple
 
-import numpy as np
-
-from rrrobot.errors import MissingExtraError, OutputError
+from rrrobot.errors import OutputError
+from rrrobot.view.page import live_page, pack
 
 LOOPBACK = "127.0.0.1"
 MOST_CONNECTIONS = 64
 """Tabs take two each: one for the page, one for its commands."""
 _MOST_BYTES = 65536
 """Of a request; pages ask with a few hundred, and send nothing."""
-
-_EXTENSIONS = {"float32": 0x17, "uint32": 0x16}
-_PAGE = """<!DOCTYPE html>
-<html lang="en">
-<head>
-<meta charset="utf-8">
-<meta http-equiv="Content-Security-Policy" content="default-src 'none'; connect-src {connect};
- script-src 'unsafe-inline'; style-src 'unsafe-inline'; img-src data: blob:">
-<link rel="icon" href="data:,">
-<title>{title}</title>
-<style>
-body {{ margin: 0; font: 14px/1.4 sans-serif; color: #333; }}
-#meshcat-pane {{ width: 100vw; height: 100vh; overflow: hidden; }}
-#caption {{ position: absolute; left: 1em; bottom: 1em; margin: 0; pointer-events: none; }}
-</style>
-</head>
-<body>
-<div id="meshcat-pane"></div>
-<p id="caption">{title}</p>
-<script>{meshcat}</script>
-<script>
-try {{
-  var viewer = new MeshCat.Viewer(document.getElementById("meshcat-pane"));
-}} catch (error) {{
-  document.getElementById("caption").textContent = "This page needs WebGL: " + error;
-  throw error;
-}}
-viewer.gui.width = 220;
-viewer.gui.__folders["Scene"].close();
-{script}
-</script>
-</body>
-</html>
-"""
-_PLAY = """for (const command of [
-{commands}
-]) viewer.handle_command_bytearray(Uint8Array.from(atob(command), c => c.charCodeAt(0)));
-viewer.gui.open();
-"""
-_CONNECT = """viewer.connect("ws://" + location.host + "/commands");
-"""
-
-
-def pack(command: dict[str, Any]) -> bytes:
-    """A command as Meshcat's viewer reads it; arrays become typed arrays of JavaScript."""
-    import umsgpack
-
-    return bytes(umsgpack.packb(_plain(command)))
-
-
-def film_page(title: str, commands: Iterable[dict[str, Any]]) -> bytes:
-    """A page that carries out the commands, in their order, and needs nothing else."""
-    texts = (f'"{base64.b64encode(pack(command)).decode()}"' for command in commands)
-    return _page(title, _PLAY.format(commands=",\n".join(texts)), "'none'")
-
-
-def live_page(title: str) -> bytes:
-    """A page that carries out the commands that its server sends."""
-    return _page(title, _CONNECT, "ws:")
 
 
 class SceneServer:
@@ -94,6 +29,7 @@ class SceneServer:
     Args:
         title: of the page.
         port: on the loopback interface; any free one if None.
+        page: to serve instead of one that takes commands, such as a film.
 
     Attributes:
         url: address of the page.
@@ -102,10 +38,10 @@ class SceneServer:
         OutputError: the port cannot be had.
     """
 
-    def __init__(self, title: str, port: int | None = None) -> None:
+    def __init__(self, title: str, port: int | None = None, page: bytes | None = None) -> None:
         import asyncio
 
-        self._page = live_page(title)
+        self._page = live_page(title) if page is None else page
         try:
             self._socket = socket.create_server((LOOPBACK, port or 0))
         except OSError as error:
@@ -269,26 +205,3 @@ def _application(scene: SceneServer) -> Any:
     handlers: list[Any] = [(r"/", Page), (r"/commands", Commands)]
     application.add_handlers(r"(127\.0\.0\.1|localhost)", handlers)
     return application
-
-
-def _page(title: str, script: str, connect: str) -> bytes:
-    spec = importlib.util.find_spec("meshcat")
-    if spec is None or not spec.submodule_search_locations:
-        raise MissingExtraError("the viewer needs Meshcat: pip install meshcat.")
-    path = Path(spec.submodule_search_locations[0], "viewer", "dist", "main.min.js")
-    page = _PAGE.format(
-        title=html.escape(title), connect=connect, meshcat=path.read_text("utf-8"), script=script
-    )
-    return page.encode()
-
-
-def _plain(value: Any) -> Any:
-    import umsgpack
-
-    if isinstance(value, np.ndarray):
-        return umsgpack.Ext(_EXTENSIONS[value.dtype.name], value.tobytes())
-    if isinstance(value, dict):
-        return {key: _plain(part) for key, part in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_plain(part) for part in value]
-    return value

@@ -2,7 +2,8 @@
 
 Each visual is placed in the frame of the Pinocchio joint that carries it, on the robot's own
 model, so that joints held still stay where they are held. A shell that the URDF does not draw is
-drawn from its support function: translucent, with three bands that show its rotation.
+drawn from its support function: translucent, with three bands that show its rotation. Legs that it
+does not draw are sticks.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from rrrobot.view.player import Figure
 
 BAND_COLOURS: tuple[Colour, ...] = ((0.84, 0.37, 0.0), (0.0, 0.45, 0.7), (0.25, 0.25, 0.25))
 SHELL_COLOUR: Colour = (0.93, 0.91, 0.86, 0.4)
+_STICK_COLOUR: Colour = (0.35, 0.42, 0.50)
 _DEFAULT_COLOUR: Colour = (0.72, 0.74, 0.77, 1.0)
 
 # three.js has a cylinder's axis along y, URDF along z.
@@ -43,6 +45,7 @@ class Visual(NamedTuple):
         colour: red, green, blue and maybe opacity, 0..1.
         reach: distance of its farthest point from the placement's origin [m].
         flat: whether each triangle is shaded by itself, as the edges of a mesh demand.
+        shell: whether it is of the URDF's link that draws the shell itself.
     """
 
     name: str
@@ -52,6 +55,7 @@ class Visual(NamedTuple):
     colour: Colour
     reach: float
     flat: bool = False
+    shell: bool = False
 
 
 def robot_visuals(robot: Robot | Figure) -> list[Visual]:
@@ -92,10 +96,58 @@ def robot_visuals(robot: Robot | Figure) -> list[Visual]:
             f"instead: {listed}.",
             stacklevel=2,
         )
+    # A shell that the URDF draws may have its stripes in the same link.
+    ours = {visual.name for visual in visuals if _is_shell(visual, robot)}
+    visuals = [visual._replace(shell=visual.name in ours) for visual in visuals]
+    if isinstance(robot, Robot):
+        visuals += _sticks(robot, tree, {visual.name for visual in visuals})
     shown = isinstance(robot, Robot) or robot.shows_shell
-    if shown and not any(_is_shell(visual, robot) for visual in visuals):
+    if shown and not any(visual.shell for visual in visuals):
         visuals += shell_visuals(robot)
     return visuals
+
+
+def shell_size(robot: Robot | Figure) -> float:
+    """The shell's largest half-width along its axes [m]."""
+    return max(robot.shell.support(u) for u in np.vstack((np.eye(3), -np.eye(3))))
+
+
+def _sticks(robot: Robot, tree: ET.Element, drawn: set[str]) -> list[Visual]:
+    """Links of which the URDF draws nothing: sticks from their joint to the next, or to the tip.
+
+    The tip is where a uniform stick would end that has the link's mass centre; a ball marks it.
+    """
+    body = {str(link.get("name")): str(link.get("name")) for link in tree.findall("link")}
+    below: dict[str, list[ET.Element]] = {name: [] for name in body}
+    for joint in tree.findall("joint"):
+        parent, child = (str(joint.find(end).get("link")) for end in ("parent", "child"))  # type: ignore[union-attr]
+        below[parent].append(joint)
+        if joint.get("type") == "fixed":  # what is fixed to each other is one body
+            one, other = body[parent], body[child]
+            body = {name: one if of == other else of for name, of in body.items()}
+    covered = {body[name] for name in (robot.shell_link, *drawn)}
+    r, sticks = 0.03 * shell_size(robot), []
+    for link in tree.findall("link"):
+        name = str(link.get("name"))
+        if body[name] in covered:
+            continue
+        frame = robot.model.frames[robot.model.getFrameId(name, pin.FrameType.BODY)]
+        ends = [origin_of(joint).translation for joint in below[name]]
+        inertial = link.find("inertial")
+        if not ends and inertial is not None:
+            ends = [2 * origin_of(inertial).translation]
+        for end in ends:
+            long = float(np.linalg.norm(end))
+            if long > r:
+                turn = pin.Quaternion.FromTwoVectors(np.array((0.0, 0.0, 1.0)), end).matrix()
+                at = frame.placement * pin.SE3(turn, end / 2) * _Y_TO_Z
+                reach = math.hypot(r, long / 2)
+                sticks.append(
+                    Visual(name, frame.parentJoint, at, _rod(r, long), _STICK_COLOUR, reach)
+                )
+            at = frame.placement * pin.SE3(np.eye(3), end)
+            sticks.append(Visual(name, frame.parentJoint, at, _ball(2 * r), _STICK_COLOUR, 2 * r))
+    return sticks
 
 
 def shell_visuals(robot: Robot | Figure) -> list[Visual]:
@@ -106,7 +158,7 @@ def shell_visuals(robot: Robot | Figure) -> list[Visual]:
     body = _round_mesh(shell, latitude, longitude, np.eye(3))
     visuals = [Visual("shell", 1, place, body, SHELL_COLOUR, reach)]
     for i, colour in enumerate(BAND_COLOURS):
-        axes = np.roll(np.eye(3), i + 1, axis=1)
+        axes = np.roll(np.eye(3), 2 - i, axis=1)  # the i-th is the last
         band = _round_mesh(shell, np.array((-0.05, 0.0, 0.05)), longitude, axes, 1.004 + 0.002 * i)
         visuals.append(Visual(f"band_{'xyz'[i]}", 1, place, band, colour, reach))
     return visuals
@@ -129,13 +181,10 @@ def _shape(visual: ET.Element, package_dirs: tuple[str, ...], meshes: _Meshes) -
             return box, math.hypot(x, y, z) / 2, still, False
         if shape.tag == "sphere":
             (r,) = numbers(shape, "radius", 1)
-            ball = {"type": "SphereGeometry", "radius": r}
-            return {**ball, "widthSegments": 64, "heightSegments": 40}, r, still, False
+            return _ball(r), r, still, False
         if shape.tag == "cylinder":
             (r,), (length,) = numbers(shape, "radius", 1), numbers(shape, "length", 1)
-            rod = {"type": "CylinderGeometry", "radiusTop": r, "radiusBottom": r}
-            rod |= {"height": length, "radialSegments": 64}
-            return rod, math.hypot(r, length / 2), _Y_TO_Z, False
+            return _rod(r, length), math.hypot(r, length / 2), _Y_TO_Z, False
         if shape.tag == "capsule":
             (r,), (length,) = numbers(shape, "radius", 1), numbers(shape, "length", 1)
             return _capsule(r, length), r + length / 2, still, False
@@ -164,6 +213,17 @@ def _stand_in(link: ET.Element) -> tuple[ET.Element, _Shape | None]:
     x, y, z = np.sqrt(np.maximum(squares, 1e-8)).tolist()
     box = {"type": "BoxGeometry", "width": x, "height": y, "depth": z}
     return inertial, (box, math.hypot(x, y, z) / 2, pin.SE3.Identity(), False)
+
+
+def _ball(radius: float) -> Geometry:
+    return {
+        "type": "SphereGeometry", "radius": radius, "widthSegments": 64, "heightSegments": 40,
+    }  # fmt: skip
+
+
+def _rod(radius: float, length: float) -> Geometry:
+    rod = {"type": "CylinderGeometry", "radiusTop": radius, "radiusBottom": radius}
+    return {**rod, "height": length, "radialSegments": 64}
 
 
 def _capsule(radius: float, length: float) -> Geometry:
