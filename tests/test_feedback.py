@@ -72,7 +72,10 @@ def test_gears_are_smooth_and_bounded(model, name):
         assert np.abs(np.diff([getattr(d, key) for d in found])).max() < 0.05
     beyond = gear.drive(1.0, 2 * high)
     assert beyond.amplitude == 0.5
-    assert beyond.twist[2] / beyond.speed == pytest.approx(high, rel=1e-6)
+    assert beyond.twist[2] / beyond.speed == pytest.approx(high, rel=1e-12)
+    inside = gear.drive(0.6 * gear.fastest(0.3 * high), 0.3 * high)
+    assert inside.speed == pytest.approx(0.6 * gear.fastest(0.3 * high), rel=1e-10)
+    assert inside.twist[2] / inside.speed == pytest.approx(0.3 * high, rel=1e-10)
 
 
 def test_nearest_points():

@@ -11,6 +11,7 @@ from rrrobot.steering.motions import corners, motions_of
 from rrrobot.steering.obstacles import free_distance
 from rrrobot.steering.planner import _apart
 from tests import derivations
+from tests.some import some
 
 PLACE, TURN = 1e-3, np.deg2rad(0.2)
 
@@ -90,15 +91,15 @@ def test_arcs_meet_the_goal(motions):
         np.testing.assert_allclose(path(twists[choice], np.zeros(3), time)[-1], pose, atol=1e-12)
 
 
-GOALS = [(0.2, 0.1, np.pi / 2), (-0.3, 0.25, -2.0), (0.0, 0.4, 0.0), (0.05, -0.02, 3.0)]
+GOALS = [[0.2, 0.1, np.pi / 2], [0.05, -0.02, 3.0], [-0.3, 0.25, -2.0], [0.0, 0.4, 0.0]]
 
 
-@pytest.mark.parametrize("goal", GOALS)
+@pytest.mark.parametrize("goal", some(GOALS, by_default={"0.2"}, name=lambda g: f"{g[0]:g}"))
 def test_a_plan_arrives_on_the_exact_model(model, goal):
     p = rr.plan(model, goal)
     assert p.lower_bound < p.gait.duration < 4 * p.lower_bound + 25
     t = p.execute()  # by the KKT form
-    np.testing.assert_allclose(t.position[-1], p.predicted[:2], atol=2e-6)
+    np.testing.assert_allclose(t.position[-1], p.predicted[:2], atol=1e-8)
     assert np.hypot(*(t.position[-1] - goal[:2])) < PLACE
     turn = (t.euler[-1, 2] - goal[2] + np.pi) % (2 * np.pi) - np.pi
     assert abs(turn) < TURN
@@ -148,9 +149,6 @@ def test_a_plan_keeps_limits(model):
     friction = np.linalg.norm(t.contact_force[:, :2], axis=1) / along
     assert asked.friction == pytest.approx(friction.max(), rel=0.02)
     assert asked.normal_force == pytest.approx(along.min() / (model.robot.mass * 9.81), rel=0.02)
-    with pytest.raises(rr.PlanError, match=r"it takes a torque of .* above 0.02") as caught:
-        rr.plan(model, goal, limits=rr.GaitLimits(max_torque=0.02))
-    assert caught.value.nearest.demands().torque > 0.02
     rr.plan(model, goal, limits=rr.GaitLimits(max_torque=1.1 * asked.torque, friction=0.5))
     with pytest.raises(rr.ParameterError, match="on is 'half'"):
         rr.plan(model, goal, on="half")
@@ -183,9 +181,8 @@ def test_plans_on_the_decoupled_models(model):
     for name in ("left", "right"):
         gear = Gear(maps, name)
         drive = gear.drive(0.7 * gear.fastest(3.0), 3.0)
-        assert drive.speed == pytest.approx(0.7 * gear.fastest(3.0), rel=1e-6)
-        # The steering number is interpolated between 241 nodes.
-        assert drive.twist[2] / drive.speed == pytest.approx(3.0, rel=1e-4)
+        assert drive.speed == pytest.approx(0.7 * gear.fastest(3.0), rel=1e-9)
+        assert drive.twist[2] / drive.speed == pytest.approx(3.0, rel=1e-9)
 
 
 def test_a_start_elsewhere_is_the_same_plan_moved(model):
@@ -229,15 +226,8 @@ def test_distances_of_polygons():
 
 
 def test_what_is_refused(model):
-    with pytest.raises(rr.ParameterError, match=r"the goal .* is -0.05 m from an obstacle"):
-        rr.plan(model, (0.3, 0.0, 0.0), obstacles=[Disc((0.3, 0.0), 0.05)])
     with pytest.raises(rr.ParameterError, match="the start"):
         rr.plan(model, (0.3, 0.0, 0.0), obstacles=[Disc((0.0, 0.0), 0.05)])
-    with pytest.raises(rr.PlanError, match="no way from"):
-        rr.plan(model, (0.5, 0.5, 0.0), longest=5.0)
-    ring = [Disc((0.3 + 0.3 * np.cos(a), 0.3 * np.sin(a)), 0.06) for a in np.arange(16) * np.pi / 8]
-    with pytest.raises(rr.PlanError, match="no way from"):
-        rr.plan(model, (0.3, 0.0, 0.0), start=(1.5, 0, 0), obstacles=ring, margin=0.1, longest=90)
     with pytest.raises(rr.ModelError, match="rolls"):
         rr.plan(rr.PivotingModel(model.robot), (0.1, 0, 0))
     with pytest.raises(rr.ModelError, match="does not fade"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import click
 import numpy as np
@@ -72,9 +73,15 @@ class PlanOutput(Group):
     help="A pose to come by on the way.",
 )  # fmt: skip
 @click.option("--max-torque", type=NUMBER, help="That each motor can give [N m].")
+@click.option("--max-leg-rate", type=NUMBER, help="That each motor can turn at [rad/s].")
+@click.option("--max-power", type=NUMBER, help="Of all motors together [W].")
 @click.option("--friction", type=NUMBER, help="Coefficient that the ground offers.")
 @click.option(
-    "--longest", type=NUMBER, default="600", show_default=True, help="Time that it may take [s]."
+    "--longest",
+    type=NUMBER,
+    default="600",
+    show_default=True,
+    help="Time that the legs may move [s].",
 )
 @takes(
     obstacles=ObstacleOptions,
@@ -89,6 +96,8 @@ def plan_command(
     start: tuple[float, ...],
     waypoint: tuple[tuple[float, ...], ...],
     max_torque: float | None,
+    max_leg_rate: float | None,
+    max_power: float | None,
     friction: float | None,
     longest: float,
     obstacles: ObstacleOptions,
@@ -114,12 +123,17 @@ def plan_command(
     parts = Parts.of(robot, ground, damping)
     model = parts.model(FullModel)
     tell_of_compiling(quiet=output.quiet)
-    limited = max_torque is not None or friction is not None
-    limits = GaitLimits(max_torque=max_torque, friction=friction) if limited else None
+    given: dict[str, Any] = {
+        "max_torque": max_torque,
+        "max_leg_rate": max_leg_rate,
+        "friction": friction,
+    }
+    limits = GaitLimits(**given) if any(v is not None for v in given.values()) else None
     found = make_plan(
         model, goal, start=start, waypoints=waypoint, obstacles=obstacles.build(),
         margin=obstacles.margin, amplitude=legs.amplitude, angular_frequency=legs.frequency,
-        longest=longest, limits=limits, progress=False if output.quiet else None,
+        longest=longest, limits=limits, max_power=max_power,
+        progress=False if output.quiet else None,
     )  # fmt: skip
     asked = found.demands()
     data, rows = found.to_dict() | {"demands": asked._asdict()}, table(found, asked)

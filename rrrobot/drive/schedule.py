@@ -64,6 +64,9 @@ class Schedule(Gait):
 
     Attributes:
         duration: until the legs are at rest again [s].
+        levels: offset, sines and cosines before, in and after the stretches
+            (stretches + 2, 1 + 2 harmonics, legs) [rad].
+        begins: when the blend to each but the first begins (stretches + 1,) [s].
 
     Raises:
         GaitError: no stretch, arrays of different sizes, values that are not finite, a stretch
@@ -94,14 +97,13 @@ class Schedule(Gait):
         self.blend = finite("blend", blend, "s", above=0)
         self.stretches = tuple(self._checked(i, s) for i, s in enumerate(stretches))
         lengths = [s.duration for s in self.stretches]
-        self._starts = np.concatenate(([0.0], np.cumsum(lengths)))
-        self.duration = float(self._starts[-1] + self.blend)
+        self.begins = np.concatenate(([0.0], np.cumsum(lengths)))
+        self.duration = float(self.begins[-1] + self.blend)
         n = max(len(s.sine) for s in self.stretches)
         flat = [self._flat(s, n) for s in self.stretches]
         still = np.zeros_like(flat[0])
         still[0] = self.rest
-        # Levels of (offset, sines, cosines) before, in and after the stretches.
-        self._levels = np.array([still, *flat, still])
+        self.levels = np.array([still, *flat, still])
         self._orders = np.arange(1, n + 1)
 
     def _checked(self, i: int, s: Stretch) -> Stretch:
@@ -152,7 +154,7 @@ class Schedule(Gait):
         waves = [np.hstack((sine, cosine)), np.hstack((w * cosine, -w * sine))]
         waves += [-np.hstack((w * w * sine, w * w * cosine))] if count > 2 else []
         out = [np.empty((time.size, self.n_legs)) for _ in range(count)]
-        edges = np.searchsorted(time, self._starts[1:])
+        edges = np.searchsorted(time, self.begins[1:])
         ends = (*edges.tolist(), time.size)
         first = 0
         for i, last in enumerate(ends):
@@ -169,8 +171,8 @@ class Schedule(Gait):
         self, i: int, time: Array, waves: list[Array], out: list[Array], here: slice
     ) -> None:
         """What the legs do from the start of stretch i on: b + q c, c the change from b."""
-        before, change = self._levels[i], self._levels[i + 1] - self._levels[i]
-        u = np.clip((time - self._starts[i]) / self.blend, 0.0, 1.0)[:, None]
+        before, change = self.levels[i], self.levels[i + 1] - self.levels[i]
+        u = np.clip((time - self.begins[i]) / self.blend, 0.0, 1.0)[:, None]
         q = u * u * u * (10.0 + u * (6.0 * u - 15.0))
         q1 = 30.0 * (u * (1.0 - u)) ** 2 / self.blend
         b, c = ([wave @ level[1:] for wave in waves] for level in (before, change))
@@ -180,6 +182,31 @@ class Schedule(Gait):
         if len(out) > 2:
             q2 = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / self.blend**2
             out[2][here] = b[2] + q * c[2] + 2 * q1 * c[1] + q2 * c[0]
+
+    def halted(self, time: float) -> Schedule:
+        """The same up to a time, and from there to rest in one blend.
+
+        A blend that has begun is ended first, so the legs rest two blends after the time at most.
+
+        Args:
+            time: [s], zero or more.
+
+        Example:
+            >>> from rrrobot.drive.schedule import Schedule, stretch
+            >>> go = stretch(6.0, offset=(1.5, 1.5), amplitude=0.3)
+            >>> gait = Schedule([go], angular_frequency=8.0, rest=(1.5, 1.5), blend=2.0)
+            >>> gait.halted(3.0).duration, gait.halted(0.5).duration, gait.halted(7.0).duration
+            (5.0, 4.0, 8.0)
+        """
+        finite("time", time, "s", at_least=0)
+        if time >= self.begins[-1]:
+            return self
+        last = int(np.searchsorted(self.begins, time, side="right")) - 1
+        left = max(time - self.begins[last], self.blend)
+        stretches = (*self.stretches[:last], self.stretches[last]._replace(duration=left))
+        return Schedule(
+            stretches, angular_frequency=self.angular_frequency, rest=self.rest, blend=self.blend
+        )
 
     def to_dict(self) -> dict[str, Any]:
         return {

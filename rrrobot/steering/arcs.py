@@ -73,25 +73,46 @@ def joined(
     goals = np.broadcast_to(goal, (len(choice), 3)) + np.column_stack((0 * aim, 0 * aim, aim))
     far = np.hypot(*(goal[:2] - start[:2])) / np.linalg.norm(twists[:, :2], axis=1).max()
     time = least + rng.exponential(max(0.5 * far, 4 * least), (len(choice), 3))
-    weight = np.array((1.0, 1.0, length))
-    live = np.arange(len(choice))
-    for _ in range(14):
-        poses, jacobian = _chain(twists[choice[live]], start, time[live])
-        gap = (goals[live] - poses) * weight
-        error = np.linalg.norm(gap, axis=1)
-        matrix = jacobian * weight[:, None]
-        # Levenberg's step keeps choices whose screws are nearly alike from running away.
-        square = matrix.transpose(0, 2, 1) @ matrix
-        damp = 1e-9 * np.trace(square, axis1=1, axis2=2) + 1e-3 * error**2 * 1e-2
-        square += damp[:, None, None] * np.eye(3)
-        right = (matrix.transpose(0, 2, 1) @ gap[:, :, None])[..., 0]
-        step = np.linalg.solve(square, right[..., None])[..., 0]
-        time[live] = np.clip(time[live] + np.clip(step, -20.0, 20.0), 0.0, most)
-        live = live[error > 1e-9]  # those that have arrived stay
-        if not live.size:
+    error = np.full(len(choice), np.inf)
+    live, axes = np.arange(len(choice)), twists[choice].transpose(1, 2, 0)
+    for number in range(15):
+        pose, slope = _chain(axes, start, time[live].T)
+        x, y, turn = (goals[live].T - pose) * np.array(((1.0,), (1.0,), (length,)))
+        size = np.sqrt(x * x + y * y + turn * turn)
+        error[live] = size
+        going = size > 1e-9  # those that have arrived stay
+        if number == 14 or not going.any():
             break
-    poses, _ = _chain(twists[choice], start, time)
-    error = np.linalg.norm((goals - poses) * weight, axis=1)
+        # Levenberg's step keeps choices whose screws are nearly alike from running away.
+        (ax, bx, cx), (ay, by, cy), (aw, bw, cw) = slope
+        aw, bw, cw = length * aw, length * bw, length * cw
+        damp = 1e-5 * size**2
+        aa, bb, cc = (
+            ax * ax + ay * ay + aw * aw,
+            bx * bx + by * by + bw * bw,
+            (cx * cx + cy * cy + cw * cw),
+        )
+        damp += 1e-9 * (aa + bb + cc)
+        aa, bb, cc = aa + damp, bb + damp, cc + damp
+        ab, bc, ca = (
+            ax * bx + ay * by + aw * bw,
+            bx * cx + by * cy + bw * cw,
+            (cx * ax + cy * ay + cw * aw),
+        )
+        p, q, r = (
+            ax * x + ay * y + aw * turn,
+            bx * x + by * y + bw * turn,
+            (cx * x + cy * y + cw * turn),
+        )
+        # The symmetric system by its adjugate.
+        i00, i01, i02 = bb * cc - bc * bc, ca * bc - ab * cc, ab * bc - ca * bb
+        i11, i12, i22 = aa * cc - ca * ca, ab * ca - aa * bc, aa * bb - ab * ab
+        over = 1.0 / (aa * i00 + ab * i01 + ca * i02)
+        step = over * np.stack(
+            (i00 * p + i01 * q + i02 * r, i01 * p + i11 * q + i12 * r, i02 * p + i12 * q + i22 * r)
+        )
+        time[live] = np.clip(time[live] + np.clip(step.T, -20.0, 20.0), 0.0, most)
+        live, axes = live[going], axes[:, :, going]
     good = (error < 1e-6) & (time.min(axis=1) >= least) & (time.sum(axis=1) <= most)
     choice, time = choice[good], time[good]
     order = np.argsort(time.sum(axis=1), kind="stable")
@@ -104,21 +125,35 @@ def joined(
     return Arcs(choice[first], time[first])
 
 
-def _chain(twists: Array, start: Array, time: Array) -> tuple[Array, Array]:
-    """End poses (n, 3) of chains of motions, and their derivatives by the times (n, 3, k)."""
-    n, k, _ = twists.shape
-    pose = np.broadcast_to(start, (n, 3))
-    ends = np.empty((n, k, 3))
-    for i in range(k):
-        pose = move(pose, twists[:, i], time[:, i])
-        ends[:, i] = pose
-    c, s = np.cos(ends[..., 2]), np.sin(ends[..., 2])
-    u, v, w = (twists[..., a] for a in range(3))
-    away = pose[:, None, :2] - ends[..., :2]
-    # Going on a little longer in one turns and carries all that follows it.
-    dx = c * u - s * v - w * away[..., 1]
-    dy = s * u + c * v + w * away[..., 0]
-    return pose, np.stack((dx, dy, w), axis=1)
+def _chain(axes: Array, start: Array, time: Array) -> tuple[Array, Array]:
+    """End poses (3, n) of chains of motions, and their derivatives by the times (3, k, n).
+
+    Args:
+        axes: the motions (k, 3, n).
+        start: pose (3,).
+        time: (k, n).
+    """
+    k, n = time.shape
+    x, y, yaw = (np.full(n, value) for value in start)
+    c, s = np.cos(yaw), np.sin(yaw)
+    ends, slope = [], np.empty((3, k, n))
+    for (u, v, w), t in zip(axes, time, strict=True):
+        half = 0.5 * w * t
+        sine, cosine = np.sin(half), np.cos(half)
+        small = np.abs(half) < 1e-9
+        # The chord: 2 sin(half) / w, in the direction that is half turned.
+        chord = np.where(small, t, sine * t / np.where(small, 1.0, half))
+        along, aside = chord * (cosine * u - sine * v), chord * (sine * u + cosine * v)
+        x, y, yaw = x + c * along - s * aside, y + s * along + c * aside, yaw + w * t
+        turned, aslant = cosine * cosine - sine * sine, 2.0 * sine * cosine
+        c, s = c * turned - s * aslant, s * turned + c * aslant
+        ends.append((x, y, c, s))
+    for i, ((u, v, w), (xi, yi, ci, si)) in enumerate(zip(axes, ends, strict=True)):
+        # Going on a little longer in one turns and carries all that follows it.
+        slope[0, i] = ci * u - si * v - w * (y - yi)
+        slope[1, i] = si * u + ci * v + w * (x - xi)
+        slope[2, i] = w
+    return np.stack((x, y, yaw)), slope
 
 
 def path(twists: Array, start: Array, time: Array, spacing: float = 0.5) -> Array:

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
 
 from rrrobot.checks import Array
 from rrrobot.errors import ModelError, ParameterError
@@ -101,6 +102,18 @@ class Gear:
         t = self.twist(self._q, r)
         return np.asarray(t[:, 2] / np.maximum(np.hypot(t[:, 0], t[:, 1]), 1e-12))
 
+    def _steered(self, curvature: float, r: float, k: Array, q: Array) -> float:
+        """The q of a curvature at r, between nodes q where it is k, k rising."""
+        i = int(np.clip(np.searchsorted(k, curvature), 1, len(k) - 1))
+        if not k[i - 1] < curvature < k[i]:
+            return float(np.interp(curvature, k, q))
+
+        def miss(at: float) -> float:
+            t = self.twist(at, r)
+            return float(t[2] / np.hypot(t[0], t[1])) - curvature
+
+        return float(brentq(miss, q[i - 1], q[i], xtol=1e-14))
+
     def fastest(self, curvature: float) -> float:
         """Highest speed at a curvature [m/s]; the boundary of the reachable set."""
         return self.drive(np.inf, curvature).speed
@@ -120,7 +133,7 @@ class Gear:
             k = self._curvatures(r)
             good = _rising(k)
             order = 1 if k[good][-1] > k[good][0] else -1
-            q = float(np.interp(curvature, k[good][::order], self._q[good][::order]))
+            q = self._steered(curvature, r, k[good][::order], self._q[good][::order])
             c0, c1 = self._c0(q), self._c1(q)
             # |twist| at r, solved for the speed by Newton's method.
             size = float(np.hypot(*(r * (c0 + c1 * r))[:2]))

@@ -59,7 +59,9 @@ class Hypothesis(NamedTuple):
         pairs: dict[str, Any] = {
             key: tuple(v) if isinstance(v, list) else v for key, v in values.items()
         }
-        return Hypothesis(replace(self.parameters, **pairs), slope)
+        with warnings.catch_warnings():  # what is only tried needs no advice
+            warnings.simplefilter("ignore", GroundClearanceWarning)
+            return Hypothesis(replace(self.parameters, **pairs), slope)
 
 
 class Replay:

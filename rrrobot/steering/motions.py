@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rrrobot.checks import Array, finite
 from rrrobot.contact.ground import Plane
@@ -49,7 +50,7 @@ class Motions(NamedTuple):
     angular_frequency: float
     """[rad/s]"""
 
-    def take(self, rows: Array) -> Motions:
+    def take(self, rows: NDArray[Any]) -> Motions:
         """Some of them."""
         twist, *others = (np.asarray(column)[rows] for column in self[:5])
         return Motions(twist, others[0], others[1], others[2], others[3], self.angular_frequency)
@@ -88,11 +89,7 @@ def motions_of(
         >>> bool(0.02 < abs(found.twist[:, 1]).max() < 0.03)  # sideways, m/s
         True
     """
-    if model.n_legs != 2:
-        raise ModelError(
-            f"the robot has {model.n_legs} leg joints: plans are made of gaits of two legs; name "
-            "two with legs=, the others are held."
-        )
+    check_legs(model)
     amplitude = finite("amplitude", amplitude, "rad", above=0)
     model = _level(model)
     path = _cache_path(model, amplitude, angular_frequency, decoupled)
@@ -135,6 +132,19 @@ def motions_of(
     if store:
         _write(path, found)
     return found
+
+
+def check_legs(model: Model) -> None:
+    """That the robot has two legs, and no more.
+
+    Raises:
+        ModelError: it has not.
+    """
+    if model.n_legs != 2:
+        raise ModelError(
+            f"the robot has {model.n_legs} leg joints: plans are made of gaits of two legs; name "
+            "two with legs=, the others are held."
+        )
 
 
 def yaw_amplitudes(model: Model, amplitude: float, angular_frequency: float) -> xr.DataArray:

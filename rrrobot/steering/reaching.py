@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite, vector
 from rrrobot.contact.ground import Plane
+from rrrobot.drive.schedule import Schedule
 from rrrobot.errors import PlanError, RRRobotError
 from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
@@ -36,6 +37,8 @@ _LEARNT = ("damping", "leg_mass", "servo_mass", "shell_radius", "slope")
 """All that poses tell: the battery fixes the scale of the masses."""
 _TRUST = {"damping": 0.5, "leg_mass": 0.1, "servo_mass": 0.1, "shell_radius": 0.05, "slope": 0.05}
 """How far the driven robot may be from the model: relative standard deviations, and a slope."""
+_STEP = np.array((0.1, 0.1, 1.5))
+"""That a robot rocks and turns in an interval at most [m, m, rad]."""
 _STANDING = 20
 """Measurements of the resting pose that are averaged."""
 
@@ -93,7 +96,8 @@ def reach(
             leads to where the goal will be when the robot comes to rest.
         start: (x, y, yaw) at rest.
         truth: the robot that is driven, of any ground; the believed one unless given.
-        sensor: noise of the measured poses; none unless given.
+        sensor: noise and faults of the measured poses; none unless given. Where they stop or jump,
+            the legs come to rest smoothly, and `stopped` says so.
         within: distance [m] and angle [rad] from the goal that is seen as reached.
         tries: plans at most.
         **options: of `plan`.
@@ -132,12 +136,23 @@ def reach(
                 raise
             stopped = str(error)
             break
-        t = _driven(real, made, true, done[-1].trajectory if done else None)
+        before = done[-1].trajectory if done else None
+        t = _driven(real, made, made.gait, true, before)
+        seen = seer.seen(clock + t.time, _poses(t), noise)
+        lost = _lost(seen, spread)
+        if lost is not None:
+            # As the camera is later by then, the legs have gone on until it was noticed.
+            at = float(t.time[lost]) + seer.delay * 2 * np.pi / made.gait.angular_frequency
+            t = _driven(real, made, made.gait.halted(at), true, before)
         clock += float(t.time[-1])
-        target = _pose(moving(clock))
-        poses = np.column_stack((t.position, t.euler[:, 2]))
-        true = poses[-1]
-        seen = poses + noise.normal(size=poses.shape) * spread
+        target, true = _pose(moving(clock)), _poses(t)[-1]
+        if lost is not None:
+            done.append(Try(made, t, np.full(3, np.nan), float("nan")))
+            stopped = (
+                f"the measured pose is missing or jumps at {at:.4g} s of plan {len(done)}: the "
+                "legs were brought to rest; look at what measures it, and start again from there"
+            )
+            break
         now = seen[-_STANDING:].mean(axis=0)
         misfit = float("nan")
         reached = off(gap(now.copy(), target), within) <= 1.0
@@ -148,6 +163,18 @@ def reach(
             stopped = None
             break
     return Reached(goal=target, tries=tuple(done), end=true, stopped=stopped)
+
+
+def _poses(t: Trajectory) -> Array:
+    """(x, y, yaw) at each sample (n, 3)."""
+    return np.column_stack((t.position, t.euler[:, 2]))
+
+
+def _lost(seen: Array, spread: Array) -> int | None:
+    """The first measurement that is missing, or further from the one before than can be."""
+    step = np.abs(np.diff(seen, axis=0))
+    wrong = ~np.all(step <= _STEP + 8.0 * spread, axis=1)
+    return int(np.argmax(wrong)) + 1 if wrong.any() else None
 
 
 def _pose(values: ArrayLike) -> Array:
@@ -183,14 +210,16 @@ def _planned(believed: Model, goal: Array, start: Array, options: dict[str, Any]
         return plan(believed, goal, start=start, **options | {"motions": motions})
 
 
-def _driven(real: Model, made: Plan, pose: Array, before: Trajectory | None) -> Trajectory:
-    """The true robot's run of a plan, from rest or on from the run before."""
+def _driven(
+    real: Model, made: Plan, gait: Schedule, pose: Array, before: Trajectory | None
+) -> Trajectory:
+    """The true robot's run of a plan's gait, or of one halted, from rest or on from a run."""
     how: dict[str, Any] = {
         "start": "rest", "position": pose[:2],
         "euler": standing(real, made.rest.leg_angle, float(pose[2])),
     } if before is None else {"state": State.from_array(real, before.state[-1])}  # fmt: skip
-    length = made.duration + _STANDING * _INTERVAL
-    return simulate(real, made.gait, length, _INTERVAL, **how, **stepping_of(real))
+    length = made.duration + gait.duration - made.gait.duration + _STANDING * _INTERVAL
+    return simulate(real, gait, length, _INTERVAL, **how, **stepping_of(real))
 
 
 def _learnt(

@@ -19,6 +19,8 @@ from rrrobot.steering.standing import rest_of
 
 SAMPLES = 8
 """Poses that are measured in a cycle."""
+_JUMP = 0.3
+"""Of a sensor that sees another robot, along x [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,6 +42,19 @@ class Sensor:
     fails_after: float = np.inf
     jumps_after: float = np.inf
     seed: int = 0
+
+    def seen(self, time: Array, poses: Array, noise: np.random.Generator) -> Array:
+        """Poses (n, 3) at times (n,) as they are measured, NaN where they are not.
+
+        Args:
+            time: [s].
+            poses: (x, y, yaw) [m, m, rad].
+            noise: where the noise comes from.
+        """
+        out = poses + noise.normal(size=poses.shape) * (self.place, self.place, self.yaw)
+        out[:, 0] += np.where(time >= self.jumps_after, _JUMP, 0.0)
+        out[time >= self.fails_after] = np.nan
+        return np.asarray(out)
 
     def __post_init__(self) -> None:
         finite("place", self.place, "m", at_least=0)
@@ -127,13 +142,8 @@ class Driven:
         self._seen.append(self._measured(poses[1:]))
 
     def _measured(self, poses: Array) -> Array:
-        s = self.sensor
-        time = len(self._seen) * self.period
-        noise = self._noise.normal(size=poses.shape) * (s.place, s.place, s.yaw)
-        mean = (poses + noise).mean(axis=0)
-        if time >= s.fails_after:
-            return np.full(3, np.nan)
-        return mean + np.array((0.3 * (time >= s.jumps_after), 0.0, 0.0))
+        time = np.full(len(poses), len(self._seen) * self.period)
+        return np.asarray(self.sensor.seen(time, poses, self._noise).mean(axis=0))
 
     @property
     def pose(self) -> Array:

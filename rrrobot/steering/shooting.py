@@ -15,10 +15,10 @@ from rrrobot.rotations import quaternion_from_euler
 from rrrobot.steering.standing import Rest
 
 if TYPE_CHECKING:
+    from rrrobot.momentum.blends import Blends
     from rrrobot.momentum.lowering import Setting
 
 STEPS_PER_CYCLE = 12
-_CHUNK = 400
 
 
 class Apart(NamedTuple):
@@ -49,43 +49,49 @@ def final_poses(
 
     Args:
         model: that the momentum engine knows, or single-axis models.
-        schedules: all of one frequency.
+        schedules: all of one frequency and one blend.
         start: pose at rest (x, y, yaw) (3,).
         rest: how it stands there.
         tail: time after the longest schedule [s].
     """
-    from rrrobot.momentum.batch import march, stage_times
-    from rrrobot.momentum.kernels import ROWS_PER_STEP
+    from rrrobot.momentum.blends import final_states
     from rrrobot.momentum.lowering import decoupled_setting, lower
 
-    n, yaw_schedules = len(schedules), None
+    yaw = None
     if isinstance(model, Apart):
         parts = model.models
         setting = decoupled_setting(parts.robot, *parts.models)  # type: ignore[arg-type]
-        yaw_schedules = [model.of_yaw(s) for s in schedules]
+        yaw = joined_legs([model.of_yaw(s) for s in schedules])
         lane = np.concatenate((rest.euler[:2], np.zeros(5), start))
     else:
         setting = lower(model)
         lane = np.concatenate((quaternion_from_euler(rest.euler), np.zeros(3), start))
-    step = 2 * np.pi / schedules[0].angular_frequency / STEPS_PER_CYCLE
-    steps = int(np.ceil((max(s.duration for s in schedules) + tail) / step))
-    state = np.tile(lane, (n, 1))
-    # Once its legs rest, a schedule's rows are all the same.
-    still = table_of(setting, rest.leg_angle[None], np.zeros((1, rest.leg_angle.size)))[0]
     with np.errstate(all="ignore"):
-        for first in range(0, steps, _CHUNK):
-            count = min(_CHUNK, steps - first)
-            times = stage_times(first * step, step, count)
-            tables = np.empty((count * ROWS_PER_STEP + 1, 15, n))
-            for i, schedule in enumerate(schedules):
-                moving = int(np.searchsorted(times, schedule.duration))
-                tables[moving:, :, i] = still
-                tables[:moving, :, i] = table_of(setting, *schedule.angle_and_rate(times[:moving]))
-                if yaw_schedules is not None:  # its inertia and momentum about the vertical
-                    own = table_of(setting, *yaw_schedules[i].angle_and_rate(times[:moving]))
-                    tables[:moving, [5, 14], i] = own[:, [5, 14]]
-            state = march(setting, tables, np.full(count, step), state)[-1]
-    return state[:, 7:10]
+        end = final_states(
+            setting, joined_legs(schedules), lane, yaw=yaw, steps_per_cycle=STEPS_PER_CYCLE,
+            duration=max(s.duration for s in schedules) + tail,
+        )  # fmt: skip
+    return end[:, 7:10]
+
+
+def joined_legs(schedules: Sequence[Schedule]) -> Blends:
+    """Schedules of one frequency and one blend as the engine takes them."""
+    from rrrobot.momentum.blends import Blends
+
+    first = schedules[0]
+    parts = max(s.levels.shape[0] for s in schedules)
+    rows = max(s.levels.shape[1] for s in schedules)
+    harmonics = (rows - 1) // 2
+    levels = np.zeros((len(schedules), parts, rows, first.n_legs))
+    begins = np.full((len(schedules), parts - 1), np.inf)
+    for i, s in enumerate(schedules):
+        n, own = len(s.levels), (s.levels.shape[1] - 1) // 2
+        levels[i, :n, 0] = s.levels[:, 0]
+        levels[i, :n, 1 : 1 + own] = s.levels[:, 1 : 1 + own]
+        levels[i, :n, 1 + harmonics : 1 + harmonics + own] = s.levels[:, 1 + own :]
+        levels[i, n:, 0] = s.rest
+        begins[i, : n - 1] = s.begins
+    return Blends(levels, begins, first.blend, first.angular_frequency)
 
 
 def table_of(setting: Setting, leg_angle: Array, leg_rate: Array) -> Array:

@@ -1,0 +1,60 @@
+"""Which settled motions keep within limits: a plan of these is likely to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from rrrobot.checks import Array
+from rrrobot.drive.gaits import GaitBatch
+from rrrobot.models.base import Model
+from rrrobot.steering.motions import Motions
+from rrrobot.studies.optimisation.table import GaitLimits
+
+_SHARES = (0.95, 0.75, 0.5)
+"""Of the limits, that the settled gaits may use: what gaits are blended asks for more."""
+_CYCLES, _COUNTED = 38, 2
+
+
+def within(
+    model: Model, motions: Motions, limits: GaitLimits | None, max_power: float | None
+) -> Iterator[Motions]:
+    """Motions whose settled gaits use shares of the limits, from larger to smaller shares.
+
+    Args:
+        model: that the momentum engine knows.
+        motions: of it.
+        limits: those of torque, leg rate, friction, normal force and clearance.
+        max_power: of all motors [W].
+    """
+    from rrrobot.momentum.batch import LOADS, RESULT, lower, steady_states
+
+    n, zero = motions.offset.size, np.zeros(motions.offset.size)
+    gaits = GaitBatch.sinusoidal(
+        np.column_stack((motions.offset,) * 2),
+        np.column_stack((motions.amplitude,) * 2),
+        np.column_stack((zero, motions.phase_difference)),
+        np.full(n, motions.angular_frequency),
+    )
+    found = steady_states(
+        lower(model), gaits, cycles=_CYCLES, counted=_COUNTED, steps_per_cycle=10, loads=True
+    )
+    known: dict[str, Array] = dict(zip((*RESULT, *LOADS), found.T, strict=True))
+    limits = GaitLimits() if limits is None else limits
+    weight = model.robot.mass * model.robot.gravity
+    above = known["normal_force"] / weight > limits.min_normal_force
+    above &= known["clearance"] > limits.min_clearance
+    for share in _SHARES:
+        keep = above.copy()
+        for value, most in (
+            (known["peak_torque"], limits.max_torque),
+            (known["friction"], limits.friction),
+            (motions.amplitude * motions.angular_frequency, limits.max_leg_rate),
+            (known["power"], max_power),
+        ):
+            if most is not None:
+                keep &= value <= share * most
+        if np.count_nonzero(keep) < 2 or np.abs(motions.twist[keep]).max() < 1e-6:
+            return
+        yield motions.take(keep)
