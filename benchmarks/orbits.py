@@ -49,14 +49,15 @@ def measured() -> dict[str, Any]:
     def cycles() -> Any:
         return steady_states(setting, gaits, cycles=CYCLES, counted=COUNTED, steps_per_cycle=STEPS)
 
-    def orbits(steps: int, stability: bool) -> Callable[[], Any]:
+    def orbits(steps: int, stability: str) -> Callable[[], Any]:
         return lambda: orbits_of(setting, gaits, steps, stability=stability).results
 
     ways: dict[str, Callable[[], Any]] = {
         "cycles": cycles,
-        "orbits": orbits(ORBIT_STEPS, False),
-        "orbits_and_multipliers": orbits(ORBIT_STEPS, True),
-        "orbits_of_ten_steps": orbits(STEPS, False),
+        "orbits": orbits(ORBIT_STEPS, "none"),
+        "orbits_and_stability": orbits(ORBIT_STEPS, "known"),
+        "orbits_and_multipliers": orbits(ORBIT_STEPS, "exact"),
+        "orbits_of_ten_steps": orbits(STEPS, "none"),
     }
     times: dict[str, list[float]] = {name: [] for name in ways}
     speeds = {name: way()[:, _SPEED] for name, way in ways.items()}
@@ -74,7 +75,7 @@ def measured() -> dict[str, Any]:
             "largest_error": float(error.max()),
             "median_error": float(np.median(error)),
         }
-    found = orbits_of(setting, gaits, ORBIT_STEPS, stability=False)
+    found = orbits_of(setting, gaits, ORBIT_STEPS, stability="none")
     out["periods_each"] = float(found.periods.mean())
     out["kane"] = kane(truth, out["cycles"]["median_error"])
     each = out["orbits"]["seconds"] / out["gaits"]

@@ -108,3 +108,11 @@ def test_bad_options_are_one_line(args: tuple[str, ...], code: int, text: str) -
     assert result.exit_code == code
     assert text in result.stderr and "Traceback" not in result.output
     assert result.stdout == ""
+
+
+def test_by_limit_cycles() -> None:
+    result = run(*QUICK, "--amplitude", "0.3", "--offset", "pi/2", "--settle", "orbit", "--json")
+    assert result.exit_code == 0, result.output
+    data = json.loads(result.stdout)
+    assert data["search"]["settle"] == "orbit" and data["met"]
+    assert data["cycles"] < 8 * data["evaluations"]

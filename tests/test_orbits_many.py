@@ -7,6 +7,7 @@ import rrrobot as rr
 from rrrobot.drive.gaits import GaitBatch
 from rrrobot.momentum.batch import RESULT, lower, settled
 from rrrobot.orbits.many import orbits_of
+from tests.some import some
 
 ROBOT = rr.Robot.from_parameters()
 STATUS = RESULT.index("status")
@@ -69,7 +70,24 @@ def test_a_neighbours_orbit_leads_there_in_three_periods():
     base = orbits_of(setting, gaits, 20)
     others = GaitBatch(*(np.repeat(part, 4, axis=0) for part in gaits))
     others.offset[:] += 1e-4 * np.arange(1, 9).reshape(4, 2)
-    near = orbits_of(setting, others, 20, stability=False, near=base)
+    near = orbits_of(setting, others, 20, stability="none", near=base)
     alone = orbits_of(setting, others, 20)
     assert near.periods.max() <= 4 < alone.periods.min()
     np.testing.assert_allclose(near.results[:, :13], alone.results[:, :13], rtol=1e-9, atol=1e-13)
+
+
+@pytest.mark.parametrize(
+    ("damping", "largest", "n"),
+    some(
+        [(0.01, 0.8, 100), (0.01, 1.2, 1500), (0.01, 2.5, 1500), (0.002, 0.8, 800),
+         (0.005, 0.8, 800), (0.02, 3.0, 800)],
+        ["(0.01, 0.8, 100)"],
+    ),
+)  # fmt: skip
+def test_what_is_known_of_stability_agrees_with_the_multipliers(damping, largest, n):
+    setting = lower(rr.FullModel(ROBOT, damping=damping))
+    gaits = some_gaits(n, 1, largest, seed=1)
+    exact, known = (orbits_of(setting, gaits, 16, stability=s) for s in ("exact", "known"))
+    np.testing.assert_array_equal(known.results[:, STATUS], exact.results[:, STATUS])
+    np.testing.assert_allclose(known.multiplier, exact.multiplier, atol=0.07)
+    assert known.periods.mean() < exact.periods.mean()

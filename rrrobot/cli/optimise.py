@@ -154,8 +154,16 @@ class LimitOptions(Group):
 
 @dataclass(frozen=True, kw_only=True)
 class SearchOptions(Group):
-    """How long and from which seed."""
+    """How each gait settles, for how long, and from which seed."""
 
+    settle: str = option(
+        "--settle",
+        type=click.Choice(("cycles", "orbit")),
+        default="cycles",
+        show_default=True,
+        help="cycles: simulate them; orbit: find each gait's limit cycle directly, and gradients "
+        "along it.",
+    )
     settle_time: float = option(
         "--settle-time", type=NUMBER, default="25", show_default=True, help="[s]"
     )
@@ -213,7 +221,7 @@ def optimise_command(
     files = _files(out, goal.pareto)
     wanted = goal.build()
     body = Parts.of(robot, ground, damping).model(MODELS[model])
-    settings = bounds.settings() | search.given("settle_time", "seed", "budget")
+    settings = bounds.settings() | search.given("settle", "settle_time", "seed", "budget")
     settings["limits"] = limits.build()
     tell_of_compiling(quiet=quiet, loads=True)
     settings["progress"] = False if quiet else None
@@ -282,11 +290,18 @@ def _table(found: OptimisedGait) -> str:
         ("largest pitch", f"{np.rad2deg(m['pitch']):.1f} deg"),
         ("legs' least height", f"{1000 * m['clearance']:.1f} mm"),
         ("confirmed", f"by the KKT model to {found.discrepancy:.1g}"),
-        ("searched", f"{found.evaluations} gaits, seed {found.search['seed']}"),
+        ("searched", _searched(found)),
     ]
     if found.lift_off_time is not None:
         rows.append(("LIFTS OFF", f"at {found.lift_off_time:.3g} s: blend in, as --ramp does"))
     return aligned(rows)
+
+
+def _searched(found: OptimisedGait) -> str:
+    way = {"cycles": "simulated", "orbit": "simulated to find orbits"}[found.search["settle"]]
+    return (
+        f"{found.evaluations} gaits, {found.cycles:.0f} cycles {way}, seed {found.search['seed']}"
+    )
 
 
 def _front_table(front: ParetoFront) -> str:

@@ -52,9 +52,12 @@ class Found(NamedTuple):
     point: Array
     """coordinates of the orbits' starts (n, d)"""
     slope: Array
-    """dP/dx there by forward differences, to about 1e-7 (n, d, d); NaN if it was not asked for"""
+    """dP/dx there by forward differences, to about 1e-7 (n, d, d); or, if it was not asked for, H
+    of Broyden's steps, about (dP/dx - 1)^-1"""
     periods: Array
-    """simulated for each search, those of fewer steps in part, without dP/dx (n,)"""
+    """simulated for each search by its closing steps and the look (n,)"""
+    before: float
+    """periods before these, those of fewer steps in part"""
     motion: Array
     """as `Settled.motion`"""
 
@@ -117,11 +120,13 @@ def search(
     n = gaits.n
     d, harmonics = len(chart.angles) + len(chart.momenta), gaits.sine.shape[1]
     width = N_ANY_MOTION if setting.axis == ANY else N_MOTION
+    counts = [max(2 + k, ceil(part * steps)) for k, part in enumerate((_CRUDE, _COARSE))]
+    parts = [(1 + d + more) * count / steps for count, more in zip(counts, _MORE, strict=True)]
+    before = 0.0 if start is not None else settling + 1 + d if settling > 0 else sum(parts)
     found = Found(
         np.full((n, N_RESULT), np.nan), np.empty((n, d)), np.full((n, d, d), np.nan), np.empty(n),
-        np.full((n, steps, width), np.nan),
+        before, np.full((n, steps, width), np.nan),
     )  # fmt: skip
-    counts = [max(2 + k, ceil(part * steps)) for k, part in enumerate((_CRUDE, _COARSE))]
     counts.append(steps)
     slope_of, value_of = _derivative(steps, True)
     near, slope = start or (np.empty((0, d)), np.empty((0, d, d)))
@@ -196,8 +201,6 @@ def _search(  # type: ignore[no-untyped-def]
         else:
             for k in range(2):
                 approach(chart, work.tables[k], work.h[k], axis, terrain, work, _MORE[k])
-        if len(near) == 0:
-            _count(settling, work)
         for _ in range(_LOOKS):
             close(chart, fine, h, axis, terrain, work, most)
             look(chart, axis, terrain, first, work, found.motion)
@@ -216,7 +219,12 @@ def _search(  # type: ignore[no-untyped-def]
                 found.point[first + i, k] = s.x[k, i]
             summarise(axis, limit, terrain, turns[2], slope_of, value_of, work, i,
                       found.results[first + i])  # fmt: skip
-        if slopes:
+        if not slopes:
+            for i in range(min(LANES, n - first)):
+                for k in range(d):
+                    for j in range(d):
+                        found.slope[first + i, k, j] = s.inverse[k, j, i]
+        else:
             for k in range(d):
                 for i in range(LANES):
                     s.F[k, i] = s.x[k, i] + s.new[k, i]
@@ -265,16 +273,3 @@ def _from_there(chart, axis, terrain, work):  # type: ignore[no-untyped-def]
     differentiate(chart, s.x, s.new, fine, h, axis, terrain, work)
     for i in range(LANES):
         invert(s, i)
-
-
-@inner
-def _count(settling, work):  # type: ignore[no-untyped-def]
-    """Periods that have been simulated before `close`."""
-    d, steps = len(work.search.x), len(work.tables[2]) - 1
-    for i in range(LANES):
-        if settling > 0:
-            work.search.spent[i] += settling + 1 + d
-        else:
-            for k in range(2):
-                part = (len(work.tables[k]) - 1) / steps
-                work.search.spent[i] += (1 + d + _MORE[k]) * part

@@ -1,12 +1,19 @@
 """Populations of gaits through the momentum engine: motion, forces and torques of each.
 
-A gait is simulated from an upright impulsive start until `settle_time` has passed, then `COUNTED`
-cycles are averaged, and torques and forces are those of the last one. What a gait gives does not
+`Cycles` simulates a gait from an upright impulsive start until `settle_time` has passed, then
+averages `COUNTED` cycles; torques and forces are those of the last one. `Orbits` finds the limit
+cycle of each gait instead, and has its largest Floquet multiplier. What a gait gives does not
 depend on the others beside it.
+
+About a point of a local search the orbits are neighbours: `Around` finds the first from the one
+before it, and the others, where gradients are taken, from the first with its dP/dx, which is a step
+of the implicit function theorem that is then closed to the last digits.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,14 +21,16 @@ from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import GaitBatch
+from rrrobot.errors import ParameterError
 from rrrobot.models.base import Model
 from rrrobot.momentum.batch import RESULT, Setting, lower, settled
 from rrrobot.momentum.extremes import LOADS, extremes
 from rrrobot.momentum.kernels import LIFT_OFF, OK
 from rrrobot.momentum.lowering import VERTICAL
-from rrrobot.momentum.tree import Tree
+from rrrobot.orbits import many
+from rrrobot.orbits.section import section_of
 from rrrobot.results import completed
-from rrrobot.studies.optimisation.table import columns
+from rrrobot.studies.optimisation.table import Table, columns
 
 COUNTED = 4
 """Cycles that are averaged."""
@@ -30,49 +39,134 @@ _STEPS = np.sort(np.outer((16, 24), 2 ** np.arange(9)).ravel())
 _LONGEST_STEP = 0.09
 
 
+SETTLES = ("cycles", "orbit")
+"""Ways to what a gait settles to."""
+
+
 @dataclass(frozen=True)
-class Engine:
+class Engine(ABC):
     """A model, ready for populations."""
 
     setting: Setting
     settle_time: float
 
-    @property
-    def tree(self) -> Tree:
-        """The robot's bodies."""
-        return self.setting.tree
-
-    def __call__(self, gaits: GaitBatch) -> Array:
-        """What each gait gives (n, columns), as `Table` has it; NaN, with a status, of those that
-        stopped."""
-        period = 2 * np.pi / gaits.angular_frequency
-        wanted = np.maximum(period / _LONGEST_STEP, 8 + 8 * gaits.order)
-        steps = _STEPS[np.minimum(np.searchsorted(_STEPS, wanted), _STEPS.size - 1)]
-        cycles = np.ceil(self.settle_time / period - 1e-9).astype(np.int64) + COUNTED
-        out = np.empty((len(period), len(columns())))
+    def __call__(self, gaits: GaitBatch) -> Table:
+        """What each gait gives; NaN, with a status, of those that stopped."""
+        tables, order = [], []
+        steps = self.steps(gaits)
         for count in np.unique(steps):
-            # Side by side, gaits of like length keep each other waiting least.
-            here = np.flatnonzero(steps == count)
-            here = here[np.argsort(cycles[here], kind="stable")]
-            out[here] = self._columns(gaits.rows(here), cycles[here], int(count))
-        return out
+            here = self._ordered(gaits, np.flatnonzero(steps == count))
+            tables.append(self._of(gaits.rows(here), int(count)))
+            order.append(here)
+        return Table.joined(tables).rows(np.argsort(np.concatenate(order), kind="stable"))
 
-    def _columns(self, gaits: GaitBatch, cycles: NDArray[np.int64], steps: int) -> Array:
-        found = settled(self.setting, gaits, cycles=cycles, counted=COUNTED, steps=steps)
-        values = dict(zip(RESULT, found.results.T, strict=True))
-        values |= zip(LOADS, extremes(self.setting, gaits, found.motion).T, strict=True)
+    def around(self) -> Callable[[GaitBatch], Table]:
+        """The engine for a local search: the first gait is its point, the others are near it."""
+        return self
+
+    def check(self) -> Engine | None:
+        """What tells whether an upright start comes to what this engine finds; None: it does."""
+        return None
+
+    @staticmethod
+    def steps(gaits: GaitBatch) -> NDArray[np.int64]:
+        """Steps of a cycle of each gait (n,)."""
+        wanted = np.maximum(
+            2 * np.pi / gaits.angular_frequency / _LONGEST_STEP, 8 + 8 * gaits.order
+        )
+        return _STEPS[np.minimum(np.searchsorted(_STEPS, wanted), _STEPS.size - 1)]
+
+    def _ordered(self, gaits: GaitBatch, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+        return rows
+
+    @abstractmethod
+    def _of(self, gaits: GaitBatch, steps: int) -> Table:
+        """Results of gaits by so many steps of a cycle."""
+
+    def _table(
+        self,
+        gaits: GaitBatch,
+        results: Array,
+        motion: Array,
+        cycles: Array,
+        multiplier: Array | None = None,
+    ) -> Table:
+        values = dict(zip(RESULT, results.T, strict=True))
+        values |= zip(LOADS, extremes(self.setting, gaits, motion).T, strict=True)
         # How much a gait lifts off is for the limits to say.
         status = np.where(values["status"] == LIFT_OFF, OK, values["status"])
         table = np.column_stack([*completed(values | {"status": status}).values()])
         stopped = [name not in ("pitch", "status") for name in columns()]
-        table[np.ix_(status != OK, stopped)] = np.nan
-        return table
+        table[np.ix_((status != OK) & (status != many.UNSTABLE), stopped)] = np.nan
+        return Table(table, *gaits.fastest(), multiplier=multiplier, cycles=cycles)
 
 
-def engine_of(model: Model, settle_time: float) -> Engine:
+class Cycles(Engine):
+    """What the upright impulsive start comes to in the time to settle."""
+
+    def _counts(self, gaits: GaitBatch) -> NDArray[np.int64]:
+        periods = self.settle_time / (2 * np.pi / gaits.angular_frequency)
+        return np.ceil(periods - 1e-9).astype(np.int64) + COUNTED
+
+    def _ordered(self, gaits: GaitBatch, rows: NDArray[np.int64]) -> NDArray[np.int64]:
+        # Side by side, gaits of like length keep each other waiting least.
+        return rows[np.argsort(self._counts(gaits)[rows], kind="stable")]
+
+    def _of(self, gaits: GaitBatch, steps: int) -> Table:
+        counts = self._counts(gaits)
+        found = settled(self.setting, gaits, cycles=counts, counted=COUNTED, steps=steps)
+        return self._table(gaits, found.results, found.motion, counts.astype(float))
+
+
+class Orbits(Engine):
+    """Limit cycles of the legs' period."""
+
+    def _of(self, gaits: GaitBatch, steps: int) -> Table:
+        return self.told(gaits, many.orbits_of(self.setting, gaits, steps, stability="known"))
+
+    def told(self, gaits: GaitBatch, found: many.Orbits) -> Table:
+        """Orbits as a table: `pitch` is the largest of the cycle, `variation` the residual."""
+        return self._table(gaits, found.results, found.motion, found.periods, found.multiplier)
+
+    def around(self) -> Callable[[GaitBatch], Table]:
+        return Around(self)
+
+    def check(self) -> Engine | None:
+        return Cycles(self.setting, self.settle_time)
+
+
+class Around:
+    """Orbits about points that a local search goes through one after the other."""
+
+    def __init__(self, engine: Orbits) -> None:
+        self.engine = engine
+        self.last: many.Orbits | None = None
+
+    def __call__(self, gaits: GaitBatch) -> Table:
+        """The first gait from the one of the call before, the others from the first."""
+        engine, steps = self.engine, int(self.engine.steps(gaits).max())
+        point, others = gaits.rows(slice(0, 1)), gaits.rows(slice(1, None))
+        first = many.orbits_of(engine.setting, point, steps, near=self.last)
+        self.last = first
+        tables = [engine.told(point, first)]
+        if others.n:
+            found = many.orbits_of(engine.setting, others, steps, near=first, stability="known")
+            tables.append(engine.told(others, found))
+        return Table.joined(tables)
+
+
+def engine_of(model: Model, settle_time: float, settle: str = "cycles") -> Engine:
     """The engine for a model.
 
     Raises:
-        ModelError: the momentum engine cannot run it.
+        ModelError: the momentum engine cannot run it, or, by orbits, nothing brakes it or its
+            ground is not level.
+        ParameterError: no such way to settle.
     """
-    return Engine(lower(model)._replace(limit=VERTICAL), settle_time)
+    if settle not in SETTLES:
+        raise ParameterError(f"settle is {settle!r}: it must be 'cycles' or 'orbit'.")
+    setting = lower(model)._replace(limit=VERTICAL)
+    if settle == "orbit":
+        section_of(setting, model.name)
+        return Orbits(setting, settle_time)
+    return Cycles(setting, settle_time)

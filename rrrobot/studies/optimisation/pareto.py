@@ -25,11 +25,11 @@ from rrrobot.progress import Progress, progress_of
 from rrrobot.results import names
 from rrrobot.studies.optimisation.goals import FastestTravel, LeastRate
 from rrrobot.studies.optimisation.result import confirm
-from rrrobot.studies.optimisation.run import discrepancy, legs_of, prepare, weight_of
+from rrrobot.studies.optimisation.run import legs_of, prepare, weight_of
 from rrrobot.studies.optimisation.saved import read_result, write_result
 from rrrobot.studies.optimisation.search import polish, search
 from rrrobot.studies.optimisation.space import Space, swing_of
-from rrrobot.studies.optimisation.table import GaitLimits, file_limits
+from rrrobot.studies.optimisation.table import GaitLimits, discrepancy, file_limits
 from rrrobot.studies.optimisation.task import (
     Evaluator,
     Spent,
@@ -56,7 +56,8 @@ class ParetoFront:
         tried: (speed, cost) of every valid gait of the search (m, 2).
         discrepancy: largest relative difference to the KKT model, of three gaits of the front.
         limits: what all of them respect.
-        evaluations: gaits that were simulated.
+        evaluations: gaits that were tried.
+        cycles: of legs that were simulated for them.
         search: bounds, seed, budget and settle time.
         model: whose gaits they are.
 
@@ -77,6 +78,7 @@ class ParetoFront:
     discrepancy: float
     limits: GaitLimits
     evaluations: int
+    cycles: float
     search: Mapping[str, Any] = field(repr=False)
     model: Model = field(repr=False)
 
@@ -96,6 +98,7 @@ class ParetoFront:
             "discrepancy": self.discrepancy,
             "limits": self.limits.to_dict(),
             "evaluations": self.evaluations,
+            "cycles": self.cycles,
             "search": dict(self.search),
             "model": self.model.to_dict(),
             "robot": self.model.robot.to_dict(),
@@ -128,7 +131,8 @@ class ParetoFront:
             speed=found["speed"], cost=found[cost.column], cost_name=data["cost"],
             gaits=tuple(data["gaits"]), columns=found, tried=np.zeros((0, 2)),
             discrepancy=data["discrepancy"], limits=data["limits"],
-            evaluations=data["evaluations"], search=data["search"], model=data["model"],
+            evaluations=data["evaluations"], cycles=data["cycles"], search=data["search"],
+            model=data["model"],
         )  # fmt: skip
 
     def __len__(self) -> int:
@@ -164,6 +168,7 @@ def pareto_front(
     tied: bool = False,
     winding: ArrayLike = 0,
     limits: GaitLimits | None = None,
+    settle: str = "cycles",
     settle_time: float = 25.0,
     budget: int | None = None,
     seed: int = 0,
@@ -179,7 +184,7 @@ def pareto_front(
             is the best for several.
         budget: gaits that may be simulated; 30 000 for each harmonic unless given.
         offset, amplitude, angular_frequency, phase_difference, harmonics, tied, winding, limits,
-            settle_time, seed, progress: as for `optimise`.
+            settle, settle_time, seed, progress: as for `optimise`.
 
     Raises:
         ParameterError, ModelError: as `optimise` raises.
@@ -205,10 +210,11 @@ def pareto_front(
     )  # fmt: skip
     if space.n == 0:
         raise ParameterError("every bound is one number: a front needs something to vary.")
-    evaluator = prepare(model, space, limits, settle_time, budget, seed)
+    evaluator = prepare(model, space, limits, settle_time, budget, seed, settle)
     with progress_of(progress, "gaits", int(budget), "gaits") as evaluator.tell:
         tasks = _searched(evaluator, limits, weight_of(model), cost, n_points, seed)
-    settings = {"settle_time": float(settle_time), "budget": int(budget), "seed": int(seed)}
+    settings = {"settle": settle, "settle_time": float(settle_time), "budget": int(budget),
+                "seed": int(seed)}  # fmt: skip
     return _front(model, evaluator, tasks, cost, settings)
 
 
@@ -277,6 +283,7 @@ def _front(
         ),
         limits=limits,
         evaluations=evaluator.used,
+        cycles=evaluator.cycles,
         search=evaluator.space.to_dict() | settings,
         model=model,
     )

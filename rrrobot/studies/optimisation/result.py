@@ -42,7 +42,8 @@ class OptimisedGait:
         discrepancy: largest relative difference of speed, yaw rate, torque and friction between
             the engine of the search and that simulation.
         lift_off_time: first sample at which the start, before it settles, lifts off [s]; or None.
-        evaluations: gaits that were simulated by the search.
+        evaluations: gaits that the search tried.
+        cycles: of legs that it simulated for them.
         history: (k, 2) evaluations, best value so far; NaN while no gait was within the limits.
         search: bounds, seed, budget and settle time.
         trajectory: the confirming simulation.
@@ -67,6 +68,7 @@ class OptimisedGait:
     discrepancy: float
     lift_off_time: float | None
     evaluations: int
+    cycles: float
     history: Array = field(repr=False)
     search: Mapping[str, Any] = field(repr=False)
     trajectory: Trajectory = field(repr=False)
@@ -89,6 +91,7 @@ class OptimisedGait:
             "lift_off_time": self.lift_off_time,
             "limits": self.limits.to_dict(),
             "evaluations": self.evaluations,
+            "cycles": self.cycles,
             "history": [[int(n), None if np.isnan(v) else float(v)] for n, v in self.history],
             "search": dict(self.search),
             "model": self.trajectory.metadata.get("model"),
@@ -119,6 +122,7 @@ class OptimisedGait:
             met=data["met"], shortfalls=tuple(data["shortfalls"]), steady_state=state,
             measured=row.to_dict(), discrepancy=data["discrepancy"],
             lift_off_time=trajectory.lift_off_time, evaluations=data["evaluations"],
+            cycles=data["cycles"],
             history=np.array(history, dtype=float).reshape(-1, 2), search=data["search"],
             trajectory=trajectory,
         )  # fmt: skip

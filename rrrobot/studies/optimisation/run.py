@@ -13,17 +13,30 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite, whole
-from rrrobot.errors import GaitError, ModelError, ParameterError
+from rrrobot.errors import GaitError, ModelError, ParameterError, SimulationError
 from rrrobot.models.base import Model
 from rrrobot.progress import Progress, progress_of
 from rrrobot.studies.optimisation.goals import Goal, as_goal
 from rrrobot.studies.optimisation.result import OptimisedGait, confirm
-from rrrobot.studies.optimisation.search import search
+from rrrobot.studies.optimisation.search import attained, search
 from rrrobot.studies.optimisation.space import Space, swing_of
-from rrrobot.studies.optimisation.table import GaitLimits, Table, file_limits
+from rrrobot.studies.optimisation.table import GaitLimits, Table, discrepancy, file_limits
 from rrrobot.studies.optimisation.task import TIGHT, Evaluator, Task
 
 _LEAST_BUDGET = 100
+_TIPPED = (
+    "every gait within the bounds tipped the robot to a pitch of 90 degrees: lower the amplitude "
+    "or keep the frequency away from the body's own oscillations."
+)
+_ASTRAY = (
+    "no gait within the bounds has a limit cycle of its own period: lower the amplitude, keep the "
+    "frequency away from the body's own oscillations, or take settle='cycles'."
+)
+_NOWHERE = (
+    "none of the best limit cycles is one that an upright start comes to; with the best gait the "
+    "robot tips over first: lower the amplitude, or take settle='cycles'."
+)
+_STRAYS = "an upright start does not come to its limit cycle: try settle='cycles'"
 
 
 def optimise(
@@ -38,6 +51,7 @@ def optimise(
     tied: bool = False,
     winding: ArrayLike = 0,
     limits: GaitLimits | None = None,
+    settle: str = "cycles",
     settle_time: float = 25.0,
     budget: int | None = None,
     seed: int = 0,
@@ -62,6 +76,9 @@ def optimise(
             round and round, at a constant rate where the amplitude is 0.
         limits: what the gait must respect; `GaitLimits()` with the least effort and rate of the
             robot's file unless given.
+        settle: "cycles": simulate each gait from rest until it has settled; "orbit": find its
+            limit cycle, and take gradients along the orbit: a fifth of the simulated cycles, or
+            less. A gait whose orbit does not hold is outside a limit.
         settle_time: simulated before the cycles that count [s]. Twice the slowest decay is too
             short: `OptimisedGait.discrepancy` and `variation` tell.
         budget: gaits that may be simulated, at least 100; 20 000 for each harmonic unless given.
@@ -93,12 +110,16 @@ def optimise(
     )  # fmt: skip
     limits = file_limits(model.robot.joints) if limits is None else limits
     budget = 20_000 * harmonics if budget is None else budget
-    evaluator = prepare(model, space, limits, settle_time, budget, seed)
+    evaluator = prepare(model, space, limits, settle_time, budget, seed, settle)
     task = Task(goal, limits, weight_of(model))
     with progress_of(progress, "gaits", int(budget), "gaits") as evaluator.tell:
         point = search(evaluator, task, np.random.default_rng(seed))
-    settings = {"settle_time": float(settle_time), "budget": int(budget), "seed": int(seed)}
-    return _result(model, evaluator, task, point, settings)
+    if np.all(np.isnan(evaluator.archive()[1].speed)):
+        raise GaitError(_TIPPED if settle == "cycles" else _ASTRAY)
+    point, comes = attained(evaluator, task, point)
+    settings = {"settle": settle, "settle_time": float(settle_time), "budget": int(budget),
+                "seed": int(seed)}  # fmt: skip
+    return _result(model, evaluator, task, point, settings, comes=comes)
 
 
 def prepare(
@@ -108,6 +129,7 @@ def prepare(
     settle_time: float,
     budget: int,
     seed: int,
+    settle: str,
 ) -> Evaluator:
     """An evaluator, after checks of everything that it needs.
 
@@ -128,8 +150,8 @@ def prepare(
     # Numba loads here, so that it costs nobody who does not use it.
     from rrrobot.studies.optimisation.lanes import engine_of
 
-    engine = engine_of(model, float(settle_time))
-    if engine.tree.prismatic.any() and [0.0, np.pi] in space.to_dict()["offset"]:
+    engine = engine_of(model, float(settle_time), settle)
+    if engine.setting.tree.prismatic.any() and [0.0, np.pi] in space.to_dict()["offset"]:
         raise ParameterError(
             "a leg of this robot slides: give offset= and amplitude= in metres for it, as "
             "(low, high) for each leg."
@@ -150,18 +172,26 @@ def weight_of(model: Model) -> float:
 
 
 def _result(
-    model: Model, evaluator: Evaluator, task: Task, point: Array, settings: dict[str, Any]
+    model: Model,
+    evaluator: Evaluator,
+    task: Task,
+    point: Array,
+    settings: dict[str, Any],
+    *,
+    comes: bool,
 ) -> OptimisedGait:
     points, table = evaluator.archive()
-    if np.all(table.status != 0):
-        raise GaitError(
-            "every gait within the bounds tipped the robot to a pitch of 90 degrees: lower the "
-            "amplitude or keep the frequency away from the body's own oscillations."
-        )
     gait = evaluator.space.gait(point)
-    trajectory, state, measured = confirm(model, gait, settings["settle_time"])
+    try:
+        trajectory, state, measured = confirm(model, gait, settings["settle_time"])
+    except SimulationError:
+        if comes:
+            raise
+        raise GaitError(_NOWHERE) from None
     found = table.rows((points == point).all(axis=1))
-    shortfalls = _shortfalls(task, measured)
+    shortfalls = _shortfalls(task, measured, float(found.multiplier[0]))
+    if not comes:
+        shortfalls += (_STRAYS,)
     return OptimisedGait(
         gait=gait,
         goal=task.goal,
@@ -174,34 +204,26 @@ def _result(
         discrepancy=discrepancy(found, measured),
         lift_off_time=trajectory.lift_off_time,
         evaluations=evaluator.used,
+        cycles=evaluator.cycles,
         history=_history(task, table),
         search=evaluator.space.to_dict() | settings,
         trajectory=trajectory,
     )
 
 
-def _shortfalls(task: Task, measured: Table) -> tuple[str, ...]:
-    """What the confirming simulation says that does not hold, in words."""
+def _shortfalls(task: Task, measured: Table, multiplier: float) -> tuple[str, ...]:
+    """What the confirming simulation, or the orbit's multiplier, says does not hold, in words."""
     goal = task.goal
     slacks = task.limits.slack(measured, task.weight)
     found = list(dict.fromkeys(text for slack, text in slacks.values() if not slack[0] >= 0))
     if measured.speed[0] < goal.min_speed:
         found.append(f"slower than {goal.min_speed:g} m/s")
+    if multiplier >= 1.0:
+        found.append(f"its limit cycle does not hold: a Floquet multiplier of {multiplier:.4g}")
     misses = goal.misses(measured)
     if misses is not None and np.linalg.norm(misses) > goal.tolerance:
         found.append(goal.shortfall(measured))
     return tuple(found)
-
-
-def discrepancy(found: Table, measured: Table) -> float:
-    """Largest relative difference of the two in speed, yaw rate, torque and friction."""
-    a, b = found.to_dict(), measured.to_dict()
-    scale = {"yaw_rate": max(abs(b["yaw_rate"]), b["speed"]), "friction": b["friction"]}
-    return max(
-        abs(a[key] - b[key]) / max(scale.get(key, b[key]), 1e-9)
-        for key in ("speed", "yaw_rate", "rms_torque", "friction")
-        if np.isfinite(b[key])
-    )
 
 
 def _history(task: Task, table: Table) -> Array:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
@@ -9,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.studies.optimisation.table import Table
+from rrrobot.studies.optimisation.table import Table, discrepancy
 from rrrobot.studies.optimisation.task import (
     TIGHT,
     Evaluator,
@@ -29,6 +30,11 @@ _STARTED_SIMPLE = 0.5
 _STARTS, _PATIENCE, _ENRICHED, _POLISHED_AGAIN = 40, 9, 3, 3
 _BATCH = 256
 _KICK = 0.02
+_CANDIDATES, _APART, _SAME = 16, 0.02, 0.05
+"""Points that are simulated until one comes to its orbit, their distance, and what is the same."""
+_NEARER, _LONGEST_STALL = 1e-3, 10
+"""Relative approach to what is valid that counts, and points in a row without it after which a
+polish is given up."""
 
 
 def search(evaluator: Evaluator, task: Task, rng: np.random.Generator) -> Array:
@@ -71,6 +77,32 @@ def search(evaluator: Evaluator, task: Task, rng: np.random.Generator) -> Array:
     return best_point(evaluator, tight)
 
 
+def attained(evaluator: Evaluator, task: Task, best: Array) -> tuple[Array, bool]:
+    """The best point whose limit cycle an upright impulsive start comes to, and whether there is.
+
+    Where several motions hold, an orbit that was followed from a neighbour may be another one.
+    Without such a point it is the best of all.
+    """
+    check = evaluator.engine.check()
+    if check is None:
+        return best, True
+    points, table = evaluator.archive()
+    scores = task._replace(tolerance=TIGHT).scores(table)
+
+    def tried(some: Array) -> NDArray[np.bool_]:
+        run = check(evaluator.space.population(some))
+        evaluator.cycles += float(run.cycles.sum())
+        rows = [int(np.argmax((points == point).all(axis=1))) for point in some]
+        gap = [discrepancy(table.rows([i]), run.rows([k])) for k, i in enumerate(rows)]
+        return np.array(gap) < _SAME
+
+    if tried(best[None])[0]:
+        return best, True
+    others = np.array(best_points(points, scores, _CANDIDATES, _APART))
+    same = tried(others) if len(others) else np.zeros(1, dtype=bool)
+    return (others[np.argmax(same)], True) if same.any() else (best, False)
+
+
 def sample(
     evaluator: Evaluator, rng: np.random.Generator, count: int, free: NDArray[np.bool_]
 ) -> None:
@@ -94,8 +126,10 @@ def polish(
 ) -> None:
     """Sequential quadratic programming from a point; the results are in the archive.
 
-    Gradients are central differences, simulated side by side. A target is an equality, or, with
-    `nearest`, the distance from it is minimised. Coordinates that are not `free` are kept.
+    Gradients are central differences, side by side; of orbits they are those of the implicit
+    function theorem, see `lanes`. A target is an equality, or, with
+    `nearest`, the distance from it is minimised. Coordinates that are not `free` are kept. A
+    polish that comes no nearer to its target or its limits is given up: there may be no such gait.
     """
     from scipy.optimize import minimize
 
@@ -113,11 +147,16 @@ def polish(
         "method": "SLSQP",
         "options": {"maxiter": iterations, "ftol": 1e-9},
     }
-    minimize(x0=point[free], **problem)
+    with suppress(_Stalled):
+        minimize(x0=point[free], **problem)
 
 
 def _constraint(local: _Local, kind: str, name: str) -> dict[str, Any]:
     return {"type": kind, "fun": partial(local.value, name), "jac": partial(local.slope, name)}
+
+
+class _Stalled(Exception):
+    """Nothing valid is near."""
 
 
 class _Local:
@@ -135,7 +174,10 @@ class _Local:
         self.point, self.free = point, free
         self.low, self.high = (end[free] for end in evaluator.space.box())
         self.last: Array | None = None
-        table = evaluator(point[None])
+        self.tight = task._replace(tolerance=TIGHT)
+        self.best, self.idle = np.inf, 0
+        self.by = evaluator.engine.around()
+        table = evaluator(point[None], self.by)
         self.equality = task.goal.misses(table) is not None and not nearest
         self.scale = max(abs(float(task.goal.objective(table)[0])), 1e-9)
 
@@ -155,11 +197,22 @@ class _Local:
             behind = x - np.maximum(x - _STEP, self.low)
             points = np.tile(self.point, (2 * n + 1, 1))
             points[:, self.free] = np.vstack((x, x + np.diag(ahead), x - np.diag(behind)))
-            found = self._values(self.evaluator(points))
+            table = self.evaluator(points, self.by)
+            self._watch(table)
+            found = self._values(table)
             slopes = {k: (v[1 : n + 1] - v[n + 1 :]).T / (ahead + behind) for k, v in found.items()}
             self.last = x.copy()
             self.found = {key: v[0] for key, v in found.items()}, slopes
         return self.found
+
+    def _watch(self, table: Table) -> None:
+        """Count the points in a row that are not valid, nor nearer to what is."""
+        distance = float(self.tight.distances(table)[0])
+        nearer = distance < (1 - _NEARER) * self.best
+        self.best = min(self.best, distance)
+        self.idle = 0 if nearer or distance == 0 else self.idle + 1
+        if self.idle == _LONGEST_STALL:
+            raise _Stalled
 
     def _values(self, table: Table) -> dict[str, Array]:
         task = self.task

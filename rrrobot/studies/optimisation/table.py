@@ -13,6 +13,9 @@ from rrrobot.checks import Array, finite
 from rrrobot.results import names
 from rrrobot.robot.limits import LegJoints
 
+_BESIDE = ("rate", "acceleration", "multiplier", "cycles")
+"""What a table has beside its columns."""
+
 
 def columns() -> tuple[str, ...]:
     """Names of a table's columns."""
@@ -25,32 +28,53 @@ class Table:
     Args:
         values: (n, columns), the results in order, then the status.
         rate, acceleration: the largest of any leg (n,).
+        multiplier: largest |Floquet multiplier| of each orbit (n,); NaN where it is not known.
+        cycles: periods that were simulated for each gait (n,); 0 unless given.
     """
 
-    def __init__(self, values: Array, rate: Array, acceleration: Array) -> None:
+    def __init__(
+        self,
+        values: Array,
+        rate: Array,
+        acceleration: Array,
+        multiplier: Array | None = None,
+        cycles: Array | None = None,
+    ) -> None:
         self.values = values
         self.rate, self.acceleration = rate, acceleration
+        self.multiplier = np.full(len(values), np.nan) if multiplier is None else multiplier
+        self.cycles = np.zeros(len(values)) if cycles is None else cycles
 
     def __getattr__(self, name: str) -> Array:
         if name not in columns():
             raise AttributeError(f"there is no result {name!r}.")
         return np.asarray(self.values[:, columns().index(name)])
 
-    def rows(self, which: NDArray[Any] | slice) -> Table:
+    def rows(self, which: NDArray[Any] | slice | list[int]) -> Table:
         """Some of the gaits: indices or a mask."""
-        return Table(self.values[which], self.rate[which], self.acceleration[which])
+        return Table(self.values[which], *(getattr(self, name)[which] for name in _BESIDE))
 
     @staticmethod
     def joined(tables: Sequence[Table]) -> Table:
         """Several tables one after the other."""
-        legs = (
-            np.concatenate([getattr(t, name) for t in tables]) for name in ("rate", "acceleration")
-        )
-        return Table(np.concatenate([t.values for t in tables]), *legs)
+        beside = (np.concatenate([getattr(t, name) for t in tables]) for name in _BESIDE)
+        return Table(np.concatenate([t.values for t in tables]), *beside)
 
     def to_dict(self) -> dict[str, float]:
         """The first row by name, without the status."""
         return dict(zip(names(), self.values[0].tolist(), strict=False))
+
+
+def discrepancy(found: Table, measured: Table) -> float:
+    """Largest relative difference of the two in speed, yaw rate, torque and friction."""
+    a, b = found.to_dict(), measured.to_dict()
+    scale = {"yaw_rate": max(abs(b["yaw_rate"]), b["speed"]), "friction": b["friction"]}
+    gaps = [
+        abs(a[key] - b[key]) / max(scale.get(key, b[key]), 1e-9)
+        for key in ("speed", "yaw_rate", "rms_torque", "friction")
+        if np.isfinite(b[key])
+    ]
+    return max(gaps, default=np.inf)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,21 +7,29 @@ target by how far, behind them those outside the limits by how much.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import GaitBatch
 from rrrobot.progress import Tell
+from rrrobot.results import STATUS
 from rrrobot.studies.optimisation.goals import Goal
 from rrrobot.studies.optimisation.space import Space
 from rrrobot.studies.optimisation.table import GaitLimits, Table
+
+if TYPE_CHECKING:
+    from rrrobot.studies.optimisation.lanes import Engine
 
 TIGHT = 1e-5
 """Relative distance from a target that a polish must reach."""
 
 _MISSED, _INVALID, _STOPPED = 1e6, 1e9, 1e15
+_STEADY, _UNSTABLE = (
+    next(k for k, name in STATUS.items() if name == wanted)
+    for wanted in ("steady_state", "orbit_unstable")
+)
 _EXACT = ("max_variation",)
 _ROUNDING = 1e-12
 _MARGIN = 2e-3
@@ -36,14 +44,14 @@ class Evaluator:
     """Counts and keeps what is simulated.
 
     Args:
-        engine: population -> results.
+        engine: of the model.
         space: the box of gaits.
         budget: gaits that may be simulated in all; `allowed` of them now.
     """
 
     def __init__(
         self,
-        engine: Callable[[GaitBatch], Array],
+        engine: Engine,
         space: Space,
         budget: int,
     ) -> None:
@@ -51,20 +59,21 @@ class Evaluator:
         self.tell: Tell | None = None
         self.budget = self.allowed = budget
         self.used = 0
+        self.cycles = 0.0
         self._points: list[Array] = []
         self._tables: list[Table] = []
 
-    def __call__(self, points: Array) -> Table:
-        """Results of points (n, space.n).
+    def __call__(self, points: Array, by: Callable[[GaitBatch], Table] | None = None) -> Table:
+        """Results of points (n, space.n), by the engine, or by one for a local search.
 
         Raises:
             Spent: there is no budget for them.
         """
         if self.used + len(points) > self.allowed:
             raise Spent
-        gaits = self.space.population(points)
-        table = Table(self.engine(gaits), *gaits.fastest())
+        table = (by or self.engine)(self.space.population(points))
         self.used += len(points)
+        self.cycles += float(table.cycles.sum())
         self._points.append(points.copy())
         self._tables.append(table)
         if self.tell is not None:
@@ -96,18 +105,32 @@ class Task(NamedTuple):
         }
         if self.goal.min_speed > 0:
             found["min_speed"] = table.speed / self.goal.min_speed - 1.0 - 0.05 * margin
+        if np.isfinite(table.multiplier).any():
+            # An orbit that does not hold is outside a limit of its own.
+            found["stable"] = 1.0 - table.multiplier - margin
         return found
 
     def scores(self, table: Table) -> Array:
         """Lower is better (n,)."""
+        violation, miss = self._short(table)
+        score = np.where(miss > self.tolerance, _MISSED + miss, self.goal.objective(table))
+        score = np.where(violation > 0, _INVALID * (1 + violation) + miss, score)
+        goes_on = np.isin(table.status, (_STEADY, _UNSTABLE))
+        return np.where(np.isfinite(score) & goes_on, score, _STOPPED)
+
+    def distances(self, table: Table) -> Array:
+        """How far from valid (n,): by how much limits and a target are missed."""
+        violation, miss = self._short(table)
+        distance = violation + np.where(miss > self.tolerance, miss, 0.0)
+        return np.nan_to_num(distance, nan=np.inf, posinf=np.inf)
+
+    def _short(self, table: Table) -> tuple[Array, Array]:
+        """By how much limits are broken, and a target is missed, each (n,)."""
         violation = np.zeros(table.speed.shape)
         for slack in self.slacks(table).values():
             violation += np.maximum(0.0, -slack - _ROUNDING)
         misses = self.goal.misses(table)
-        miss = np.zeros(table.speed.shape) if misses is None else np.linalg.norm(misses, axis=1)
-        score = np.where(miss > self.tolerance, _MISSED + miss, self.goal.objective(table))
-        score = np.where(violation > 0, _INVALID * (1 + violation) + miss, score)
-        return np.where(np.isfinite(score) & (table.status == 0), score, _STOPPED)
+        return violation, (0.0 * violation if misses is None else np.linalg.norm(misses, axis=1))
 
     def reached(self, table: Table) -> bool:
         """Whether any gait of a table is valid."""
