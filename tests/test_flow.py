@@ -121,9 +121,27 @@ def test_lift_off_is_located():
     assert np.all(t.normal_force[:-1] > 0)
     with pytest.raises(rr.ModelError, match="pivoted"):
         rr.simulate(MODELS["pivoting"], GAIT, 0.1, events=[rr.simulation.lift_off()])
-    with pytest.raises(rr.ModelError, match="cannot locate events"):
-        rr.simulate(full, GAIT, 0.1, method="momentum", events=[rr.simulation.lift_off()])
-    assert model.name == "roll"
+    fast_form = rr.simulate(full, fast, 2.0, method="momentum", events=[rr.simulation.lift_off()])
+    assert fast_form.time[-1] == pytest.approx(t.time[-1], abs=1e-9)
+    assert abs(fast_form.normal_force[-1]) < 1e-8
+    np.testing.assert_allclose(fast_form.state[-1], t.state[-1], atol=1e-9)
+    assert len(fast_form) == len(t) and model.name == "roll"
+
+
+def test_both_forms_find_the_same_events():
+    """Between samples 0.1 s apart, on steps of 0.02 s."""
+    level = rr.simulation.Event(lambda at: at.euler[0] + 0.01, name="level")
+    sink = rr.simulation.Event(lambda at: at.normal_force - 5.0, direction=-1, name="light")
+    runs = [
+        rr.simulate(MODELS["full"], GAIT, 3.0, 0.1, method=method, events=[level, sink])
+        for method in ("kkt", "momentum")
+    ]
+    first, second = ([(hit.name, hit.time) for hit in t.events] for t in runs)
+    assert [name for name, _ in first] == [name for name, _ in second]
+    assert len(first) > 6 and {"level", "light"} == {name for name, _ in first}
+    np.testing.assert_allclose([t for _, t in first], [t for _, t in second], atol=1e-8)
+    np.testing.assert_array_equal(runs[1].state, rr.simulate(
+        MODELS["full"], GAIT, 3.0, 0.1, method="momentum").state)  # fmt: skip
 
 
 def test_long_runs_say_why():

@@ -7,7 +7,7 @@ import numpy as np
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import Gait
 from rrrobot.errors import GaitError
-from rrrobot.integrate import Integration, Observer, Progress
+from rrrobot.integrate import Dense, Integration, Observer, Progress, Watch
 from rrrobot.models.base import Model
 from rrrobot.models.terms import Placement
 from rrrobot.momentum.batch import ROWS_PER_STEP, Setting, lower, march, stage_times
@@ -29,6 +29,7 @@ def run(
     longest: float,
     *,
     observer: Observer,
+    watch: Watch | None = None,
     progress: Progress | None = None,
     lane: Array | None = None,
 ) -> tuple[Integration, Array | None]:
@@ -38,6 +39,7 @@ def run(
     another run go on to the last bit.
 
     Every sample interval is divided into equal steps of DOP853, none longer than `longest` [s].
+    States within a step, where `watch` looks for events, are those of a shorter step to there.
 
     Raises:
         ModelError: the engine does not know the model, its damping, its shell or its ground.
@@ -51,8 +53,9 @@ def run(
     if lane is None:
         lane = _lane(model, setting, gait, y0, times[0])
     filled, steps, stop, interrupted = 1, 0, None, False
+    hit: float | None = None
     try:
-        while filled < times.size and stop is None:
+        while filled < times.size and stop is None and hit is None:
             last = filled
             while last < times.size and pieces[filled - 1 : last].sum() < _CHUNK:
                 last += 1
@@ -69,12 +72,18 @@ def run(
             found = _model_states(
                 model, setting, gait, history[marks], times[filled : filled + len(marks)]
             )
-            for state in found:
+            for state, mark in zip(found, marks, strict=True):
+                if watch is not None:
+                    interval = times[filled - 1 : filled + 1]
+                    lanes = history[mark - pieces[filled - 1] : mark]
+                    hit, state = _watched(watch, setting, model, gait, lanes, interval, state)
+                    if hit is not None:
+                        times = np.append(times[:filled], hit)
                 states[filled] = state
                 observer.sampled(filled, states[filled : filled + 1])
                 filled += 1
                 stop = observer.stepped(state)
-                if stop is not None:
+                if stop is not None or hit is not None:
                     break
             stop = stop or failure
             lane = history[-1]
@@ -85,9 +94,43 @@ def run(
         stop, interrupted = "the simulation was interrupted", True
     done = Integration(
         times[:filled], states[:filled], float(times[filled - 1]), states[filled - 1],
-        steps * N_STAGES, stop, interrupted,
+        steps * N_STAGES, stop, interrupted, hit is not None,
     )  # fmt: skip
-    return done, lane if stop is None else None
+    return done, lane if stop is None and hit is None else None
+
+
+def _watched(
+    watch: Watch, setting: Setting, model: Model, gait: Gait, lanes: Array, interval: Array,
+    end: Array,
+) -> tuple[float | None, Array]:  # fmt: skip
+    """The time of an event that ends the run within a sample interval, and the state there.
+
+    Args:
+        lanes: engine states at the beginnings of the interval's steps (n, N_STATE).
+        interval: its begin and end (2,) [s].
+        end: the state at its end, which is returned if nothing ends the run.
+    """
+    nodes = np.linspace(*interval, len(lanes) + 1)
+    for lane, first, last in zip(lanes, nodes, nodes[1:], strict=False):
+        dense = _within(setting, model, gait, lane, float(first))
+        hit = watch.step(float(first), float(last), dense)
+        if hit is not None:
+            return hit, dense(np.array((hit,)))[0]
+    return None, end
+
+
+def _within(setting: Setting, model: Model, gait: Gait, lane: Array, start: float) -> Dense:
+    """Model states at times after an engine state, by one step to each."""
+
+    def dense(times: Array) -> Array:
+        one = np.array((1,))
+        rows = [
+            lane if t == start else _march(setting, model, gait, lane, np.array((start, t)), one)[-1]
+            for t in times
+        ]
+        return _model_states(model, setting, gait, np.array(rows), times)
+
+    return dense
 
 
 def _march(

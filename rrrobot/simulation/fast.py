@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import Gait
-from rrrobot.errors import GaitError, ModelError
+from rrrobot.errors import GaitError
 from rrrobot.integrate import Integration
 from rrrobot.models.base import Model
 from rrrobot.simulation.effort import Effort
-from rrrobot.simulation.events import Event, Hit
+from rrrobot.simulation.events import Event, Hit, Lookout
 from rrrobot.simulation.flow import Drive, Flow
 from rrrobot.simulation.memory import Recall
 from rrrobot.simulation.state import State
@@ -55,13 +55,9 @@ class MomentumFlow(Flow):
         events: tuple[Event, ...],
         effort: Effort,
     ) -> tuple[Integration, Array | None, tuple[Hit, ...]]:
-        if events:
-            raise ModelError(
-                "method 'momentum' has no states between its samples, so it cannot locate events: "
-                "use 'kkt'."
-            )
         from rrrobot.momentum.run import run
 
+        lookout = Lookout(events, self.look, self.size) if events else None
         longest = self.stepping.step or self.stepping.max_step
         result, lane = run(
             self.model,
@@ -70,10 +66,11 @@ class MomentumFlow(Flow):
             times,
             longest,
             observer=track,
+            watch=lookout,
             progress=effort.told,
             lane=state.lane if state.drive == self.drive.to_dict() else None,
         )
-        return result, lane, ()
+        return result, lane, () if lookout is None else tuple(lookout.hits)
 
 
 FLOWS: dict[str, type[Flow]] = {"kkt": Flow, "momentum": MomentumFlow}
