@@ -37,8 +37,8 @@ class Observer(Protocol):
     def sampled(self, first: int, states: Array) -> None:
         """Rows first, first + 1, ... of the samples, after the last `stepped`."""
 
-    def stepped(self, y: Array) -> str | None:
-        """The state at the end of a step; a reason to stop, or None."""
+    def stepped(self, ends: Array) -> tuple[int, str] | None:
+        """States at the ends of steps (n, ny); the first to stop at and why, or None."""
 
 
 class Jumps(Protocol):
@@ -227,10 +227,10 @@ class _Run:
         if self.correct is not None:
             self.correct(self.now, solver.y)
             solver.f = solver.fun(solver.t, solver.y)
-        stop = self.observer.stepped(self.y) if self.observer is not None else None
+        stop = self.observer.stepped(self.y[None]) if self.observer is not None else None
         if self.progress is not None:
             self.progress(self.now)
-        return stop
+        return None if stop is None else stop[1]
 
     def _fill(self, until: float, values: Dense) -> None:
         """Samples up to a time."""

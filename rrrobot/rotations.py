@@ -77,17 +77,15 @@ def quaternion_rate(quaternion: Array, omega_body: Array) -> Array:
 
 def euler_from_quaternion(quaternion: ArrayLike) -> Array:
     """(roll, pitch, yaw) with |pitch| <= pi/2; vectorised: (..., 4) -> (..., 3)."""
-    x, y, z, w = np.moveaxis(np.asarray(quaternion, dtype=float), -1, 0)
+    q = np.asarray(quaternion, dtype=float)
+    x, y, z, w = q[..., 0], q[..., 1], q[..., 2], q[..., 3]
     norm2 = x * x + y * y + z * z + w * w
-    sin_pitch = np.clip(2.0 * (w * y - z * x) / norm2, -1.0, 1.0)
-    return np.stack(
-        (
-            np.arctan2(2.0 * (w * x + y * z), w * w - x * x - y * y + z * z),
-            np.arcsin(sin_pitch),
-            np.arctan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z),
-        ),
-        axis=-1,
-    )
+    sine = 2.0 * (w * y - z * x) / norm2
+    euler = np.empty((*q.shape[:-1], 3))
+    euler[..., 0] = np.arctan2(2.0 * (w * x + y * z), w * w - x * x - y * y + z * z)
+    euler[..., 1] = np.arcsin(np.minimum(np.maximum(sine, -1.0), 1.0))
+    euler[..., 2] = np.arctan2(2.0 * (w * z + x * y), w * w + x * x - y * y - z * z)
+    return euler
 
 
 def euler_from_rotation(rotation: Array) -> tuple[float, float, float]:

@@ -92,7 +92,7 @@ class _Watcher:
     def sampled(self, first: int, states: Array) -> None:
         pass
 
-    def stepped(self, y: Array) -> str | None:
+    def stepped(self, ends: Array) -> tuple[int, str] | None:
         return None
 
 

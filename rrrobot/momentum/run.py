@@ -72,19 +72,23 @@ def run(
             found = _model_states(
                 model, setting, gait, history[marks], times[filled : filled + len(marks)]
             )
-            for state, mark in zip(found, marks, strict=True):
-                if watch is not None:
-                    interval = times[filled - 1 : filled + 1]
-                    lanes = history[mark - pieces[filled - 1] : mark]
-                    hit, state = _watched(watch, setting, model, gait, lanes, interval, state)
+            if watch is not None:
+                for i, mark in enumerate(marks):
+                    k = filled + i
+                    lanes = history[mark - pieces[k - 1] : mark]
+                    hit, found[i] = _watched(
+                        watch, setting, model, gait, lanes, times[k - 1 : k + 1], found[i]
+                    )
                     if hit is not None:
-                        times = np.append(times[:filled], hit)
-                states[filled] = state
-                observer.sampled(filled, states[filled : filled + 1])
-                filled += 1
-                stop = observer.stepped(state)
-                if stop is not None or hit is not None:
-                    break
+                        times, found = np.append(times[:k], hit), found[: i + 1]
+                        break
+            if len(found):
+                observer.sampled(filled, found)
+                halt = observer.stepped(found)
+                if halt is not None:
+                    found, (_, stop) = found[: halt[0] + 1], halt
+                states[filled : filled + len(found)] = found
+                filled += len(found)
             stop = stop or failure
             lane = history[-1]
             steps += int(marks[-1]) if marks.size else 0
@@ -110,7 +114,7 @@ def _watched(
         interval: its begin and end (2,) [s].
         end: the state at its end, which is returned if nothing ends the run.
     """
-    nodes = np.linspace(*interval, len(lanes) + 1)
+    nodes = np.linspace(interval[0], interval[1], len(lanes) + 1)
     for lane, first, last in zip(lanes, nodes, nodes[1:], strict=False):
         dense = _within(setting, model, gait, lane, float(first))
         hit = watch.step(float(first), float(last), dense)
@@ -125,7 +129,9 @@ def _within(setting: Setting, model: Model, gait: Gait, lane: Array, start: floa
     def dense(times: Array) -> Array:
         one = np.array((1,))
         rows = [
-            lane if t == start else _march(setting, model, gait, lane, np.array((start, t)), one)[-1]
+            lane
+            if t == start
+            else _march(setting, model, gait, lane, np.array((start, t)), one)[-1]
             for t in times
         ]
         return _model_states(model, setting, gait, np.array(rows), times)

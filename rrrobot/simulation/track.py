@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+from math import sin
+
 import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.models.base import VERTICAL_PITCH, Model
 from rrrobot.models.full import FullModel
-from rrrobot.rotations import euler_from_rotation, rotation_from_quaternion
 from rrrobot.simulation.memory import Recall
+
+VERTICAL = (
+    "the pitch reached +-90 degrees, where the Euler rates, and with them this model's damping or "
+    "coordinates, are singular; swing the legs less, or use the full model with BodyRateDamping"
+)
 
 
 class Track:
@@ -36,20 +42,20 @@ class Track:
         """Memory at the samples (n, k)."""
         return np.column_stack((states[:n, size:], np.reshape(self._held[:n], (n, -1))))
 
-    def stepped(self, y: Array) -> str | None:
-        self.y = y
+    def stepped(self, ends: Array) -> tuple[int, str] | None:
+        self.y = ends[-1]
         if self._recall is not None and (fault := self._recall.asked.stepped()) is not None:
-            return fault
-        pose = y[: self.model.n_pose]
-        self.last = self.model.turned(pose[None], self.last)[0]
-        if self.model.singular_at_vertical:
-            quaternion = self.model.quaternions(pose[None])[0]
-            pitch = euler_from_rotation(rotation_from_quaternion(quaternion))[1]
-            if abs(pitch) > VERTICAL_PITCH or abs(self.last[1]) > VERTICAL_PITCH:
-                return (
-                    "the pitch reached +-90 degrees, where the Euler rates, and with them this "
-                    "model's damping or coordinates, are singular; swing the legs less, or use the "
-                    "full model with BodyRateDamping"
-                )
-        model = self.model
-        return model.trouble(pose) if isinstance(model, FullModel) else None
+            return 0, fault
+        model, poses = self.model, ends[:, : self.model.n_pose]
+        angles = model.turned(poses, self.last)
+        self.last = angles[-1]
+        stop = None
+        if model.singular_at_vertical:
+            bad = np.flatnonzero(np.abs(np.sin(angles[:, 1])) > sin(VERTICAL_PITCH))
+            if bad.size:
+                stop = int(bad[0]), VERTICAL
+        if isinstance(model, FullModel):
+            for i, pose in enumerate(poses[: None if stop is None else stop[0]]):
+                if (trouble := model.trouble(pose)) is not None:
+                    return i, trouble
+        return stop
