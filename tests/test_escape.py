@@ -99,6 +99,28 @@ def test_capsules_stand_where_pinocchio_and_coal_put_them(curvature):
     assert (apart > 0).sum() > 20
 
 
+def test_configurations_of_a_cycle_stand_on_the_ground_as_its_capsules_do(bench):
+    rng = np.random.default_rng(4)
+    swing = 0.05 * rng.normal(size=(2, 3, 1, 6))
+    gaits = GaitBatch(np.tile(UP, (3, 1)), np.zeros((3, 6)), *swing, np.full(3, 9.0))
+    every, out = bench.configurations(gaits), bench(gaits)
+    model, robot = bench.model.model, bench.model.robot
+    data, shapes = model.createData(), rr.belly.Shapes.of(robot)
+    for i, cycle in enumerate(every):
+        assert np.ptp(cycle, axis=0)[7:].min() > 0.01
+        for q in cycle:
+            pin.forwardKinematics(model, data, q)
+            center = data.oMi[1].act(robot.shell_placement.translation)
+            assert center[2] == pytest.approx(0.3, abs=1e-9)
+        found = rr.belly.clearances(shapes, cycle, rr.Plane())
+        # Capsules enclose what Coal knows.
+        limbs = [k for k, link in enumerate(found.links) if link != "body"]
+        assert found.ground[:, limbs].min() > out.height[i, :-1].min() - 1e-9
+        assert found.ground[:, limbs].min() < out.height[i, :-1].min() + 0.1
+        tilt = [np.arccos(pin.Quaternion(q[3:7].copy()).matrix()[2, 2]) for q in cycle]
+        assert max(tilt) == pytest.approx(out.most_tilt[i], rel=1e-6)
+
+
 # Small gaits
 
 

@@ -326,7 +326,9 @@ class _Work:
         if reach.least == 0.0:
             text = f"{reach.link[int(np.argmin(reach.tilt))]} touches the ground at rest"
             if chosen is best:
-                text += " in the best posture that the joint limits allow: on a rock legs may hang"
+                text += (
+                    " in the best posture found within the joint limits: on a rock legs may hang"
+                )
             said.append(text)
         return "; ".join(said)
 

@@ -8,6 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 from typing import Any, NamedTuple
 
 import numpy as np
+import pinocchio as pin
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
@@ -21,8 +22,8 @@ from rrrobot.momentum.terrain import BOULDER
 
 COUNTED = 4
 """Cycles that are averaged."""
-_STEPS = 16
-_CLOSE_SAMPLES = 16
+_STEPS = 12
+_CLOSE_SAMPLES = 12
 """Instants of a cycle at which clearances are taken, at least."""
 _CHUNK = 64
 """Gaits that a thread takes at a time."""
@@ -88,6 +89,8 @@ class Bench:
     def __init__(self, model: Model, capsules: Capsules, limbs: int, decay: float) -> None:
         self.model, self.capsules, self.decay = model, capsules, decay
         self.setting = lower(model)
+        # Travel to 1e-6 is enough of what the general model confirms.
+        self.setting = self.setting._replace(fineness=-(-self.setting.fineness // 2))
         self.weight = model.robot.mass * model.gravity
         self.limbs = limbs
         self.simulated = 0
@@ -120,6 +123,29 @@ class Bench:
             found = run(order)
         self.simulated += n
         return found.rows(np.argsort(order, kind="stable"))
+
+    def configurations(self, gaits: GaitBatch) -> Array:
+        """Pinocchio's q at instants of the last cycle (n, instants, nq), for distances.
+
+        The contact is put at the ground's origin, as turned about the vertical as may be: of planes
+        and boulders, no distance depends on that.
+        """
+        n = gaits.n
+        cycles = np.ceil(self.settle_time * gaits.angular_frequency / (2 * np.pi)).astype(np.int64)
+        steps = _STEPS + 8 * (gaits.sine.shape[1] - 1)
+        found = settled(
+            self.setting, gaits, cycles=cycles + COUNTED, counted=COUNTED, steps=steps
+        )  # fmt: skip
+        angle, normal, s = self._cycle(gaits, found.motion)
+        model, index = self.model.model, self.model.legs
+        out = np.tile(pin.neutral(model), (n, normal.shape[1], 1))
+        up = self.model.ground.normal(np.zeros(3))
+        origin = s + self.setting.tree.translation[0]
+        for i, j in np.ndindex(out.shape[:2]):
+            turn = pin.Quaternion.FromTwoVectors(normal[i, j], up)
+            out[i, j, :3], out[i, j, 3:7] = turn.matrix() @ origin[i, j], turn.coeffs()
+            index.write(out[i, j], angle[i, j])
+        return out
 
     def still(self, offset: Array) -> tuple[Array, Array]:
         """Heights (n, limbs + 1) and separations (n,) of the legs held (n, legs), upright [m]."""
@@ -155,7 +181,9 @@ class Bench:
         status = np.where(values["status"] == LIFT_OFF, OK, values["status"])
         loads, torque = np.full((n, len(LOADS)), np.nan), np.full((n, legs), np.nan)
         if forces:
-            loads = extremes(self.setting, gaits, found.motion, torque)
+            # Forces of smooth motions are found between fewer instants than sharp shells' steps.
+            motion = np.ascontiguousarray(found.motion[:, :: self.setting.fineness])
+            loads = extremes(self.setting, gaits, motion, torque)
         up = found.motion[:, :, :3]
         height, apart = np.full((n, self.limbs + 1), np.nan), np.full(n, np.nan)
         if clearance:
@@ -179,6 +207,13 @@ class Bench:
 
     def _clearances(self, gaits: GaitBatch, motion: Array) -> tuple[Array, Array]:
         """Least heights (n, limbs + 1) and separations (n,) over the cycle of the motion."""
+        angle, normal, s = self._cycle(gaits, motion)
+        return clearances(
+            self.setting.tree, self.capsules, self.limbs, angle, normal, s, self.curvature
+        )
+
+    def _cycle(self, gaits: GaitBatch, motion: Array) -> tuple[Array, Array, Array]:
+        """Leg angles, the ground's normal and s at instants of a cycle (n, instants, ...)."""
         steps = motion.shape[1]
         every = max(1, steps // _CLOSE_SAMPLES)
         some = motion[:, ::every]
@@ -187,9 +222,5 @@ class Bench:
         )
         angle = np.sin(turn) @ gaits.sine + np.cos(turn) @ gaits.cosine + gaits.offset[:, None]
         if self.setting.axis == ANY:
-            normal, s = some[:, :, 6:9], some[:, :, 9:12]
-        else:
-            normal, s = some[:, :, :3], some[:, :, :3] * self.setting.parameters[1]
-        return clearances(
-            self.setting.tree, self.capsules, self.limbs, angle, normal, s, self.curvature
-        )
+            return angle, some[:, :, 6:9], some[:, :, 9:12]
+        return angle, some[:, :, :3], some[:, :, :3] * self.setting.parameters[1]

@@ -7,6 +7,9 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from rrrobot.belly.clearance import clearances
 from rrrobot.belly.fit import fit_belly
 from rrrobot.belly.found import Belly
 from rrrobot.contact.boulder import Boulder
@@ -19,8 +22,9 @@ from rrrobot.escape.bodies import base_length, capsules_of, with_legs
 from rrrobot.escape.confirming import EscapeGait, confirm
 from rrrobot.escape.finding import find_gaits
 from rrrobot.escape.goals import ROCK, USUAL, Escape, goal_of
-from rrrobot.escape.limits import EscapeLimits, Rules, joint_ends
+from rrrobot.escape.limits import TOUCH, EscapeLimits, Rules, joint_ends
 from rrrobot.escape.loss import RATIO, rocking_damping, rocking_modes
+from rrrobot.escape.polish import Judged
 from rrrobot.escape.spaces import GROUPS
 from rrrobot.escape.stances import stances
 from rrrobot.escape.unstuck import Unstuck
@@ -28,6 +32,8 @@ from rrrobot.models.full import FullModel
 from rrrobot.progress import Progress, Tell, checked_progress, progress_of
 from rrrobot.robot.robot import Robot
 
+_LOOKED = 20
+"""Gaits of which Coal is asked through a cycle."""
 _TRIED = 5
 """Gaits that the KKT system simulates for a goal until enough are confirmed."""
 
@@ -172,10 +178,23 @@ class _Work:
         )  # fmt: skip
         confirmed: list[EscapeGait] = []
         tried: list[EscapeGait] = []
-        for one in found[:_TRIED]:
+        # Coal first: what touches is tried last.
+        clear = [self._clear(one) for one in found[:_LOOKED]]
+        for i in sorted(range(len(clear)), key=lambda i: not clear[i])[:_TRIED]:
+            one = found[i]
             tell(budget, f"confirming {goal.name}")
             gait = confirm(self.model, self.bench, rules, one, self.belly)
             (confirmed if gait.met else tried).append(gait)
             if len(confirmed) == solutions:
                 break
         return confirmed or tried[:1]
+
+    def _clear(self, one: Judged) -> bool:
+        """Whether links stay off the ground and each other through the engine's cycle."""
+        (every,) = self.bench.configurations(one.gait)
+        shapes, covered = self.belly.shapes, self.belly.covered
+        found = clearances(shapes, every, self.belly.ground)
+        base = {piece.link for piece in shapes.on_joint(1)} | set(covered)
+        limbs = [i for i, link in enumerate(found.links) if link not in base]
+        height = found.ground[:, limbs].min(initial=np.inf)
+        return bool(height >= 0 and found.between.min() >= -TOUCH)

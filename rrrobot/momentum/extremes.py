@@ -121,6 +121,8 @@ def evaluate(  # type: ignore[no-untyped-def]
         _signals(tree, parameters, axis, gaits, g, motion, turns, refine, work)
         _product(finer, work.signals, work.fine)
         for leg in range(n_legs):
+            if leg_loss[0, leg] == 0.0 and leg_loss[1, leg] == 0.0:
+                continue
             for k in range(len(work.fine)):
                 # The motors also overcome the damping and the friction of their joints.
                 x = work.fine[k]
@@ -246,9 +248,12 @@ def _vertex(left, here, right):  # type: ignore[no-untyped-def]
 
 @inner
 def _at(work, kind, angle):  # type: ignore[no-untyped-def]
-    """Value of the interpolant at a phase [rad]."""
-    n, rows = work.signals.shape
-    for r in range(rows):
+    """Value of the interpolant at a phase [rad], by the signals that it takes."""
+    n = len(work.signals)
+    first, last = 0, 1 + kind * (TORQUE - 1)
+    if kind > 1:
+        first, last = TORQUE + kind - 2, TORQUE + kind - 1
+    for r in range(first, last):
         work.there[r] = 0.0
     for m in range(n):
         # Dirichlet's kernel.
@@ -259,7 +264,7 @@ def _at(work, kind, angle):  # type: ignore[no-untyped-def]
             weight = np.sin(n * turn) / (n * sine)
             if n % 2 == 0:
                 weight *= np.cos(turn)
-        for r in range(rows):
+        for r in range(first, last):
             work.there[r] += weight * work.signals[m, r]
     return _value(work.there, kind)
 
