@@ -37,7 +37,7 @@ def bench(biped):
     found = rocking_modes(model, UP)
     capsules, limbs = capsules_of(shapes, ())
     made = Bench(model, capsules, limbs, min(m.decay_rate for m in found))
-    made.free_pairs(UP, 0.005)
+    made.tell_apart(shapes, UP, 0.01)
     return made
 
 
@@ -55,17 +55,15 @@ def test_capsules_stand_where_pinocchio_and_coal_put_them(curvature):
     body = rng.integers(0, robot.model.njoints - 1, m)
     ends, radius = rng.normal(0, 0.1, (m, 2, 3)), rng.uniform(0.01, 0.03, m)
     pairs = np.array([(i, j) for i in range(m) for j in range(i) if body[i] != body[j]])
-    capsules = Capsules(body, ends, radius, np.arange(m), pairs)
+    capsules = Capsules(body, ends, radius, np.arange(m), pairs, np.zeros(len(pairs)))
     tree = tree_of(robot)
     angle = rng.uniform(-2, 2, (n, 1, robot.n_legs))
     normal = rng.normal(0, 0.2, (n, 1, 3)) + np.array((0, 0, 1))
     normal /= np.linalg.norm(normal, axis=2, keepdims=True)
     s = rng.normal(0, 0.02, (n, 1, 3)) + np.array((0, 0, 0.8))
     height, least = clearances(tree, capsules, m, angle, normal, s, curvature)
-    apart = np.array([
-        clearances(tree, capsules._replace(pairs=pair[None]), m, angle, normal, s, curvature)[1]
-        for pair in pairs
-    ])  # fmt: skip
+    single = [capsules._replace(pairs=pair[None], extra=np.zeros(1)) for pair in pairs]
+    apart = np.array([clearances(tree, one, m, angle, normal, s, curvature)[1] for one in single])
     np.testing.assert_array_equal(least, apart.min(axis=0))
     model, data = robot.model, robot.model.createData()
     for g in range(n):
@@ -119,6 +117,24 @@ def test_configurations_of_a_cycle_stand_on_the_ground_as_its_capsules_do(bench)
         assert found.ground[:, limbs].min() < out.height[i, :-1].min() + 0.1
         tilt = [np.arccos(pin.Quaternion(q[3:7].copy()).matrix()[2, 2]) for q in cycle]
         assert max(tilt) == pytest.approx(out.most_tilt[i], rel=1e-6)
+
+
+def test_capsules_that_overlap_tell_what_coal_tells_in_the_posture():
+    text = rr.robot.legged_urdf(2, body_size=(0.3, 0.2, 0.1), leg_mass=0.5)
+    robot = rr.Robot.from_urdf(text, shell=rr.Sphere(0.3), shell_center=(0, 0, 0.25))
+    shapes = rr.belly.Shapes.of(robot)
+    bench = Bench(rr.FullModel(robot, damping=0.1), *capsules_of(shapes, ()), 1.0)
+    folded = np.array((0.0, 2.44, 1.77) * 2)
+    q = pin.neutral(robot.model)
+    q[7:] = folded
+    exact = rr.belly.clearances(shapes, q[None], rr.Plane()).between[0]
+    near = bench.still(folded[None])[1][0]
+    least = 0.5 * (near + exact)
+    assert near < exact - 0.02
+    bench.tell_apart(shapes, folded, least)
+    assert bench.still(folded[None])[1][0] >= least
+    nearer = folded + np.array((0.0, 0.0, 0.2) * 2)
+    assert bench.still(nearer[None])[1][0] < bench.still(folded[None])[1][0]
 
 
 # Small gaits

@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
+from rrrobot.belly.shapes import Shapes
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import GaitBatch
 from rrrobot.escape.capsules import Capsules, clearances
@@ -159,17 +160,30 @@ class Bench:
             np.tile(normal, (n, 1, 1)), np.tile(origin + about, (n, 1, 1)), self.curvature,
         )  # fmt: skip
 
-    def free_pairs(self, offset: Array, least: float) -> None:
-        """Leave out pairs whose capsules are too near in a posture (legs,): their shapes are not.
+    def tell_apart(self, shapes: Shapes, offset: Array, least: float) -> None:
+        """Correct pairs whose capsules are too near in a posture (legs,) by what Coal says there.
 
-        A capsule around a box is wider than the box; such pairs are Coal's to look at.
+        A capsule around a box is wider than the box. From the posture on, the search sees how much
+        nearer the two capsules come.
+
+        Args:
+            shapes: of the capsules.
+            offset: a posture in which links are apart.
+            least: distance from which on capsules will do [m].
         """
-        whole, kept = self.capsules, []
-        for pair in whole.pairs:
-            self.capsules = whole._replace(pairs=pair[None])
-            if self.still(offset[None])[1][0] >= least:
-                kept.append(pair)
-        self.capsules = whole._replace(pairs=np.array(kept, dtype=np.int64).reshape(-1, 2))
+        whole, model = self.capsules, self.model.model
+        if not len(whole.pairs):
+            return
+        q, data, apart = pin.neutral(model), model.createData(), shapes.geometry.createData()
+        self.model.legs.write(q, offset)
+        pin.computeDistances(model, data, shapes.geometry, apart, q)
+        exact = np.array([result.min_distance for result in apart.distanceResults])
+        near = np.empty(len(exact))
+        for k, pair in enumerate(whole.pairs):
+            self.capsules = whole._replace(pairs=pair[None], extra=np.zeros(1))
+            near[k] = self.still(offset[None])[1][0]
+        extra = np.where(near < least, np.maximum(exact, least) - near, 0.0)
+        self.capsules = whole._replace(extra=extra)
 
     def _chunk(
         self, gaits: GaitBatch, cycles: NDArray[np.int64], *, forces: bool, clearance: bool

@@ -33,6 +33,7 @@ def capsules_of(shapes: Shapes, covered: tuple[str, ...]) -> tuple[Capsules, int
     return Capsules(
         np.array(body, dtype=np.int64), np.array(ends).reshape(-1, 2, 3), np.array(radius),
         np.array(limb, dtype=np.int64), np.array(shapes.pairs, dtype=np.int64).reshape(-1, 2),
+        np.zeros(len(shapes.pairs)),
     ), len(chains)  # fmt: skip
 
 

@@ -37,6 +37,8 @@ class Capsules(NamedTuple):
     """which limb it belongs to (m,); the number of limbs for the base"""
     pairs: NDArray[np.int64]
     """rows of those that may meet (k, 2)"""
+    extra: Array
+    """by which the links of each pair are farther apart than their capsules (k,) [m]"""
 
 
 def clearances(
@@ -67,7 +69,7 @@ def clearances(
 @njit(cache=True, nogil=True, error_model="numpy")
 def _clearances(  # type: ignore[no-untyped-def]
     parent, rotation, translation, axis, prismatic, leg, ratio, shift, angle, normal, s, k,
-    body, ends, radius, limb, pairs, height, apart,
+    body, ends, radius, limb, pairs, extra, height, apart,
 ):  # fmt: skip
     bodies, m = parent.size, body.size
     turn, at = np.empty((bodies, 3, 3)), np.empty((bodies, 3))
@@ -94,7 +96,7 @@ def _clearances(  # type: ignore[no-untyped-def]
                     height[g, limb[c]] = high
             for p in range(pairs.shape[0]):
                 i, j = pairs[p, 0], pairs[p, 1]
-                near = _apart(place[i], place[j]) - radius[i] - radius[j]
+                near = _apart(place[i], place[j]) - radius[i] - radius[j] + extra[p]
                 if near < apart[g]:
                     apart[g] = near
 

@@ -163,7 +163,7 @@ class _Work:
             )
         capsules, limbs = capsules_of(belly.shapes, belly.covered)
         self.bench = Bench(self.model, capsules, limbs, decay)
-        self.bench.free_pairs(posture, limits.separation)
+        self.bench.tell_apart(belly.shapes, posture, 2 * limits.separation)
         about = stances(robot, self.bench, posture, self.ends, limits, postures)
         self.atlas = Atlas(self.bench, self.model, about, self.ends, self.tilt, groups)
 
