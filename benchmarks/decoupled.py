@@ -84,8 +84,8 @@ def draw(rows: dict[str, list[dict[str, float]]]) -> None:
             values = np.sort([unit * max(r[key], 1e-7) for r in found])
             share = (np.arange(len(values)) + 1) / len(values)
             ax.step(values, share, where="post", label=kind, **line(k))
-        ax.set_xscale("log")
         tidy(ax, label, "share of goals" if i == 0 else "")
+        ax.set_xscale("log")
         if i == 0:
             legend_above(ax, columns=1)
     figure.tight_layout()
@@ -95,8 +95,11 @@ def draw(rows: dict[str, list[dict[str, float]]]) -> None:
 def main(n: int) -> None:
     model = rr.FullModel(rr.Robot.from_parameters())
     options = kinds(model)
-    rows: dict[str, list[dict[str, float]]] = {kind: [] for kind in options}
-    for goal in goals(n):
+    # What was done before goes on; remove the file to begin anew.
+    rows: dict[str, list[dict[str, float]]] = (
+        json.loads(OUT.read_text()) if OUT.exists() else {kind: [] for kind in options}
+    )
+    for goal in goals(n)[min(len(found) for found in rows.values()) :]:
         for kind, how in options.items():
             rows[kind].append(trial(model, goal, how))
         OUT.write_text(json.dumps(rows, indent=1))

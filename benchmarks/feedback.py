@@ -15,6 +15,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import chi2
 
 import rrrobot as rr
 from benchmarks.steering import goals
@@ -52,7 +53,7 @@ def model_of(p: rr.RRRobotParameters, slope: int | None = None) -> rr.FullModel:
 
 
 def trial_fit(seed: int) -> dict:
-    """Whether the true values lie within twice the stated standard deviation, each."""
+    """How many stated standard deviations the true values are away, each and all together."""
     true = other(seed)
     known = rr.RRRobotParameters(servo_mass=true.servo_mass)
     gait = Schedule(
@@ -73,7 +74,12 @@ def trial_fit(seed: int) -> dict:
     normal = model.ground.normal_vector
     truth["slope_x"], truth["slope_y"] = -normal[:2] / normal[2]
     truth["leg_mass_1"], truth["leg_mass_2"] = truth["leg_mass"]
-    return {name: (v - truth[name]) / found.uncertainty[name] for name, v in found.value.items()}
+    away = np.array([v - truth[name] for name, v in found.value.items()])
+    apart = away / list(found.uncertainty.values())
+    # Of all together, in the ellipsoid of the stated covariance.
+    return dict(zip(found.value, apart.tolist(), strict=True)) | {
+        "chi_square": float(away @ np.linalg.solve(found.covariance, away))
+    }
 
 
 def trial_goals(seed: int) -> dict:
@@ -124,9 +130,13 @@ def main(what: str, n: int) -> None:
 
 def _sum(what: str, rows: list[dict]) -> dict:
     if what == "fit":
-        names = [name for name in rows[0] if name not in ("seed", "cpu")]
-        within = {k: sum(abs(row[k]) < 2 for row in rows) for k in names}
-        return {"within_two_deviations": within}
+        names = [name for name in rows[0] if name not in ("seed", "cpu", "chi_square")]
+        within = {k: int(sum(abs(row[k]) < 2 for row in rows)) for k in names}
+        most = chi2.ppf(0.95, len(names))
+        return {
+            "within_two_deviations": within,
+            "within_the_95_%_ellipsoid": int(sum(row["chi_square"] < most for row in rows)),
+        }
     if what == "goals":
         near = [r["place"] is not None and r["place"] < 0.01 and r["turn"] < np.deg2rad(3)
                 for r in rows]  # fmt: skip

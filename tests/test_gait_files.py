@@ -158,6 +158,13 @@ def test_set_points_go_back_in_as_samples(tmp_path):
     read = np.loadtxt(path, delimiter=",", skiprows=1)
     np.testing.assert_array_equal(read[:, 1:3], table.angle)
     assert read.shape[1] == 7
+    head = path.read_text().splitlines()[0].split(",")
+    assert head[:2] == ["time [s]", "leg_1_angle [rad]"] and head[-1].endswith("[rad/s^2]")
+    same = json.loads(table.to_json(tmp_path / "points.json").read_text())
+    assert list(same) == head
+    np.testing.assert_array_equal(np.column_stack(list(same.values())), read)
+    slid = rr.gait_table(CIRCULAR, 50.0, slides=(True, False))
+    assert "leg_1_rate [m/s]" in slid.columns and "leg_2_rate [rad/s]" in slid.columns
 
 
 def test_ros_message_has_the_message_s_fields_and_times(tmp_path):

@@ -14,6 +14,7 @@ from rrrobot.cli.types import NUMBER
 from rrrobot.drive.tables import gait_table, write_gait
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable
+from rrrobot.robot.joints import sliding
 
 _SUFFIXES = (".json", ".csv", ".yaml", ".yml")
 
@@ -62,7 +63,8 @@ def gait_command(
     if target is not None and target.suffix.lower() == ".json":
         written.append(write_gait(legs, target))
     elif target is not None:
-        table = gait_table(legs, rate, duration=duration, joints=body.legs)
+        table = gait_table(legs, rate, duration=duration, joints=body.legs,
+                           slides=sliding(body.model, body.legs))  # fmt: skip
         write = table.to_csv if target.suffix.lower() == ".csv" else table.to_ros
         written.append(write(target))
         data |= {"set_points": len(table.time), "rate": table.rate_hz}

@@ -21,6 +21,7 @@ from rrrobot.drive.tables import gait_table
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable
 from rrrobot.models.full import FullModel
+from rrrobot.robot.joints import sliding
 from rrrobot.steering.demands import Demands
 from rrrobot.steering.planner import plan as make_plan
 from rrrobot.steering.plans import Plan
@@ -146,8 +147,9 @@ def _write(plan: Plan, files: dict[str, Path], rate: float) -> list[Path]:
         written.append(plan.save(files["save"]))
     if "csv" in files:
         joints = gait_table(
-            plan.gait, rate, duration=plan.gait.duration, joints=plan.model.robot.legs
-        )
+            plan.gait, rate, duration=plan.gait.duration, joints=plan.model.robot.legs,
+            slides=sliding(plan.model.robot.model, plan.model.robot.legs),
+        )  # fmt: skip
         written.append(joints.to_csv(files["csv"]))
     if "plot" in files or "html" in files:
         trajectory = plan.execute(method="momentum")

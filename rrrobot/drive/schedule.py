@@ -183,6 +183,15 @@ class Schedule(Gait):
             q2 = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / self.blend**2
             out[2][here] = b[2] + q * c[2] + 2 * q1 * c[1] + q2 * c[0]
 
+    def coefficients(self, time: float) -> Stretch:
+        """The gait of an instant: offset, sines and cosines as they are blended there."""
+        i = int(np.clip(np.searchsorted(self.begins, time, side="right") - 1, 0, None))
+        u = float(np.clip((time - self.begins[i]) / self.blend, 0.0, 1.0))
+        q = u * u * u * (10.0 + u * (6.0 * u - 15.0))
+        level = (1.0 - q) * self.levels[i] + q * self.levels[i + 1]
+        n = self._orders.size
+        return Stretch(self.blend, level[0], level[1 : 1 + n], level[1 + n :])
+
     def halted(self, time: float) -> Schedule:
         """The same up to a time, and from there to rest in one blend.
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from rrrobot import serial
 from rrrobot.checks import Array, finite
@@ -35,6 +36,7 @@ class GaitTable:
         angle, rate, acceleration: (n, legs) [rad, rad/s, rad/s^2], or [m ...] of sliding joints.
         rate_hz: set-points a second [1/s].
         joints: names of the joints (legs,).
+        slides: which of them slide (legs,).
     """
 
     time: Array
@@ -43,9 +45,23 @@ class GaitTable:
     acceleration: Array
     rate_hz: float
     joints: tuple[str, ...]
+    slides: tuple[bool, ...]
+
+    @property
+    def columns(self) -> dict[str, Array]:
+        """Each column (n,) by its name and unit: "time [s]", "leg_1_angle [rad]", ..."""
+        out = {"time [s]": self.time}
+        for part, per in (("angle", ""), ("rate", "/s"), ("acceleration", "/s^2")):
+            for joint, slides, values in zip(
+                self.joints, self.slides, getattr(self, part).T, strict=True
+            ):
+                out[f"{joint}_{part} [{'m' if slides else 'rad'}{per}]"] = values
+        return out
 
     def to_csv(self, path: str | Path) -> Path:
         """Write time, angles, rates and accelerations as a .csv file, whole or not at all.
+
+        The head of each column has its unit: "time [s]", "leg_1_angle [rad]".
 
         The first columns are what `SampledGait.from_csv` takes if the others are cut off.
 
@@ -55,12 +71,19 @@ class GaitTable:
         target = _target(path, (".csv",))
         stream = io.StringIO()
         writer = csv.writer(stream, lineterminator="\n")
-        heads = [f"{joint}_{part}" for part in ("angle", "rate", "acceleration")
-                 for joint in self.joints]  # fmt: skip
-        writer.writerow(["time", *heads])
-        columns = (self.time, self.angle, self.rate, self.acceleration)
-        writer.writerows(np.column_stack(columns).tolist())
+        writer.writerow(self.columns)
+        writer.writerows(np.column_stack(list(self.columns.values())).tolist())
         return write_whole(target, stream.getvalue().encode())
+
+    def to_json(self, path: str | Path) -> Path:
+        """Write the same columns as a .json file: an object of lists by name and unit.
+
+        Raises:
+            OutputError: the file cannot be written, or its name does not end in .json.
+        """
+        target = _target(path, (".json",))
+        data = {name: values.tolist() for name, values in self.columns.items()}
+        return write_whole(target, (json.dumps(data, indent=1) + "\n").encode())
 
     def joint_trajectory(self) -> dict[str, Any]:
         """The ROS 2 message trajectory_msgs/msg/JointTrajectory, as plain data."""
@@ -104,6 +127,7 @@ def gait_table(
     *,
     duration: float | None = None,
     joints: Sequence[str] | None = None,
+    slides: Sequence[bool] | NDArray[np.bool_] | None = None,
 ) -> GaitTable:
     """Set-points of a gait at a rate, for a robot's joint controllers.
 
@@ -114,6 +138,7 @@ def gait_table(
             `rate_hz` says which.
         duration: from 0 [s]; one period, both ends, unless given.
         joints: names of the joints, such as `robot.legs`; leg_1, leg_2, ... unless given.
+        slides: which of them slide, so that their unit is m; none unless given.
 
     Raises:
         GaitError: no duration for a gait without a period.
@@ -148,6 +173,7 @@ def gait_table(
     return GaitTable(
         time=time, angle=angle, rate=velocity, acceleration=acceleration,
         rate_hz=wanted, joints=names,
+        slides=(False,) * len(names) if slides is None else tuple(bool(s) for s in slides),
     )  # fmt: skip
 
 

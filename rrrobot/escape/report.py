@@ -26,6 +26,7 @@ from rrrobot.drive.tables import gait_table, write_gait
 from rrrobot.escape.confirming import EscapeGait
 from rrrobot.files import write_whole
 from rrrobot.inline import html_table, png
+from rrrobot.robot.joints import sliding
 
 if TYPE_CHECKING:
     from rrrobot.escape.unstuck import Unstuck
@@ -70,7 +71,8 @@ def write_report(found: Unstuck, folder: str | Path, *, films: bool = True) -> l
 
 
 def _robot_files(gait: EscapeGait, place: Path, name: str) -> list[Path]:
-    table = gait_table(gait.gait, _RATE, joints=gait.trajectory.robot.legs)
+    robot = gait.trajectory.robot
+    table = gait_table(gait.gait, _RATE, joints=robot.legs, slides=sliding(robot.model, robot.legs))
     return [
         write_gait(gait.gait, place / f"{name}.json"),
         table.to_csv(place / f"{name}.csv"),

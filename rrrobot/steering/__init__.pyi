@@ -8,9 +8,11 @@ from rrrobot.steering.obstacles import Disc as Disc
 from rrrobot.steering.obstacles import Polygon as Polygon
 from rrrobot.steering.planner import plan as plan
 from rrrobot.steering.plans import Plan as Plan
+from rrrobot.steering.reachable import reachable_set as reachable_set
 from rrrobot.steering.reaching import Reached as Reached
 from rrrobot.steering.reaching import reach as reach
 from rrrobot.steering.robots import Sensor as Sensor
 from rrrobot.steering.tracks import Track as Track
+from rrrobot.steering.unicycle import Unicycle as Unicycle
 from rrrobot.steering.yaw_planner import YawPlan as YawPlan
 from rrrobot.steering.yaw_planner import plan_yaw as plan_yaw

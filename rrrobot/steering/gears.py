@@ -23,6 +23,8 @@ from rrrobot.steering.motions import Motions
 GEARS = ("forward", "backward", "left", "right")
 """Directions of travel in the body's axes: x, -x, y, -y."""
 _N = 241
+_R = np.linspace(0.01, 1.0, 298)
+"""Squared shares of the amplitude at which it is known which curvatures are reached."""
 
 
 class Drive(NamedTuple):
@@ -56,7 +58,7 @@ class Gear:
         name: "forward", "backward", "left" or "right".
 
     Attributes:
-        curvature: lowest and highest that are reached at the largest amplitude (2,) [1/m].
+        curvature: lowest and highest that are reached at any amplitude (2,) [1/m].
 
     Raises:
         ParameterError: another name.
@@ -89,10 +91,14 @@ class Gear:
         self._q = np.linspace(q[0], q[-1], _N)
         k = self._curvatures(1.0)
         self._q = self._q[_rising(k)]
-        k = self._curvatures(1.0)
-        if len(k) < 10:
-            raise ModelError(f"the gaits of the gear {name!r} do not steer this robot.")
-        self.curvature = np.array((k.min(), k.max()))
+        # At each amplitude the gaits reach other curvatures.
+        self._ranges = np.array(
+            [(r, bends.min(), bends.max()) for r in _R for bends in (self.curve(r)[0],)]
+        )
+        self.curvature = np.array((self._ranges[:, 1].min(), self._ranges[:, 2].max()))
+        fastest = np.linalg.norm(motions.twist[:, :2], axis=1).max()
+        if len(self._q) < 10 or self.fastest(0.0) < 0.02 * fastest:
+            raise ModelError(f"the gaits of the gear {name!r} do not travel or steer this robot.")
 
     def twist(self, q: Array | float, r: float) -> Array:
         """Settled twist (..., 3) at the steering number q and the squared share r of amplitude."""
@@ -118,6 +124,28 @@ class Gear:
         """Highest speed at a curvature [m/s]; the boundary of the reachable set."""
         return self.drive(np.inf, curvature).speed
 
+    def boundary(self, n: int = 101) -> tuple[Array, Array, Array]:
+        """Curvatures (n,) [1/m] from the lowest to the highest, lowest and highest speeds [m/s].
+
+        Between these lies all that the gear reaches: at the outermost curvatures, which only some
+        amplitudes have, not down to zero.
+        """
+        curvature = np.linspace(self.curvature[0], self.curvature[1], n)
+        slow, fast = (np.array([self.drive(v, k).speed for k in curvature]) for v in (0.0, np.inf))
+        return curvature, slow, fast
+
+    def curve(self, r: float) -> tuple[Array, Array]:
+        """Curvatures (n,) [1/m] and speeds (n,) [m/s] of one squared share r of the amplitude."""
+        bends = self._curvatures(r)
+        good = _rising(bends)
+        return bends[good], np.linalg.norm(self.twist(self._q[good], r)[:, :2], axis=1)
+
+    def reaches(self, speed: float, curvature: float) -> bool:
+        """Whether a gait of the gear has a speed [m/s] and a curvature [1/m]."""
+        low, high = self.curvature
+        found = self.drive(speed, curvature)
+        return bool(low <= curvature <= high and abs(found.speed - speed) <= 1e-9 + 1e-6 * speed)
+
     def drive(self, speed: float, curvature: float) -> Drive:
         """The gait of a speed and a curvature; the nearest where they are out of reach.
 
@@ -127,19 +155,22 @@ class Gear:
             speed: [m/s], zero or more.
             curvature: yaw rate / speed [1/m], positive to the left.
         """
-        r = 1.0
+        bend = float(np.clip(curvature, *self.curvature))
+        steers = _R[(self._ranges[:, 1] <= bend) & (bend <= self._ranges[:, 2])]
+        least, most = (1e-6 if steers[0] == _R[0] else steers[0]), steers[-1]
+        r = most
         for _ in range(20):
             # At small amplitudes the outermost gaits turn back.
             k = self._curvatures(r)
             good = _rising(k)
             order = 1 if k[good][-1] > k[good][0] else -1
-            q = self._steered(curvature, r, k[good][::order], self._q[good][::order])
+            q = self._steered(bend, r, k[good][::order], self._q[good][::order])
             c0, c1 = self._c0(q), self._c1(q)
             # |twist| at r, solved for the speed by Newton's method.
             size = float(np.hypot(*(r * (c0 + c1 * r))[:2]))
             slope = float(((c0 + c1 * r)[:2] @ (c0 + 2 * c1 * r)[:2]) * r / max(size, 1e-12))
-            wanted = r + (speed - size) / max(slope, 1e-12) if np.isfinite(speed) else 1.0
-            wanted = min(max(wanted, 1e-6), 1.0)
+            wanted = r + (speed - size) / max(slope, 1e-12) if np.isfinite(speed) else most
+            wanted = float(np.clip(wanted, least, most))
             if abs(wanted - r) < 1e-12:
                 break
             r = wanted
@@ -147,8 +178,8 @@ class Gear:
         return Drive(offset, self._largest * float(np.sqrt(r)), phase, self.twist(q, r))
 
 
-def _grid(motions: Motions) -> tuple[Array, Array, list[Array]]:
-    """Offsets, phases and twists (offsets, phases, 3) at the smaller and the larger amplitude."""
+def grid(motions: Motions) -> tuple[Array, Array, list[Array]]:
+    """A map's offsets, phases, and twists (offsets, phases, 3) at both amplitudes, rising."""
     offsets, phases = np.unique(motions.offset), np.unique(motions.phase_difference)
     out = []
     for amplitude in (motions.amplitude.min(), motions.amplitude.max()):
@@ -174,20 +205,20 @@ def _filled(table: Array, phases: Array) -> Array:
 
 
 def _by_phase(motions: Motions, name: str) -> tuple[Array, Array, Array]:
-    _, phases, (low, high) = _grid(motions)
+    _, phases, (low, high) = grid(motions)
     row = 0 if name == "forward" else -1
     keep = (phases > 0.3 * np.pi) & (phases < 1.7 * np.pi)
     return phases[keep], low[row][keep], high[row][keep]
 
 
 def _best_phase(motions: Motions, name: str) -> float:
-    offsets, phases, (_, high) = _grid(motions)
+    offsets, phases, (_, high) = grid(motions)
     middle = high[len(offsets) // 2, :, 1]
     return float(phases[middle.argmax() if name == "left" else middle.argmin()])
 
 
 def _by_offset(motions: Motions, name: str) -> tuple[Array, Array, Array]:
-    offsets, phases, (low, high) = _grid(motions)
+    offsets, phases, (low, high) = grid(motions)
     column = int(np.argmin(np.abs(phases - _best_phase(motions, name))))
     return offsets, low[:, column], high[:, column]
 

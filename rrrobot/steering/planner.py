@@ -25,7 +25,7 @@ from rrrobot.steering.obstacles import Obstacle, free_distance
 from rrrobot.steering.plans import Plan
 from rrrobot.steering.search import Found, Search
 from rrrobot.steering.shooting import Apart
-from rrrobot.steering.standing import rest_of
+from rrrobot.steering.standing import radius_of, rest_of
 from rrrobot.studies.optimisation.table import GaitLimits
 
 
@@ -99,7 +99,7 @@ def plan(
         vector(name, pose, 3, labels=("x", "y", "yaw"))
         for name, pose in (("start", start), *(("waypoint", w) for w in waypoints), ("goal", goal))
     ]
-    margin = _radius(model) if margin is None else finite("margin", margin, "m", at_least=0)
+    margin = radius_of(model) if margin is None else finite("margin", margin, "m", at_least=0)
     finite("longest", longest, "s", above=0)
     if max_power is not None:
         finite("max_power", max_power, "W", above=0)
@@ -125,7 +125,7 @@ def plan(
     for gaits in within(model, motions, limits, max_power) if limited else (motions,):
         search = Search(
             model, by, still, corners(gaits, most=10), obstacles=obstacles, margin=margin,
-            room=0.1 * _radius(model), limits=limits, max_power=max_power,
+            room=0.1 * radius_of(model), limits=limits, max_power=max_power,
         )  # fmt: skip
         found = search.run(stops, tolerance, longest)
         if found.plan is not None:
@@ -152,9 +152,3 @@ def _apart(model: Model, motions: Motions) -> Apart:
     offset, first = np.unique(motions.offset[rows], return_index=True)
     ratio = (motions.yaw_amplitude[rows] / motions.amplitude[rows])[first]
     return Apart(DecoupledModels(model.robot), offset, ratio)
-
-
-def _radius(model: Model) -> float:
-    """Half the shell's width [m]."""
-    shell = model.robot.shell
-    return max(shell.support(np.array(u)) for u in ((1.0, 0, 0), (0, 1.0, 0)))

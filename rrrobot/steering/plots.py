@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
     from rrrobot.steering.following import Following
     from rrrobot.steering.plans import Plan
+    from rrrobot.steering.unicycle import UnicycleRun
 
 
 def plan_panel(plan: Plan, trajectory: Trajectory | None = None, ax: Axes | None = None) -> Axes:
@@ -110,5 +111,20 @@ def following_panel(run: Following, ax: Axes | None = None) -> Axes:
     axes.plot(*ring.T, **line(1), label="path")
     axes.plot(*run.mean[:, :2].T, **line(0), label="mean of a cycle")
     axes.plot(*run.end[:2], "s", color=BLACK, markersize=5, linestyle="none", label="end")
+    frame(axes)
+    return axes
+
+
+def unicycle_panel(run: UnicycleRun, ax: Axes | None = None) -> Axes:
+    """A unicycle's path beside the robot's.
+
+    Args:
+        run: of `Unicycle.compared`.
+        ax: new ones unless given.
+    """
+    axes = new_axes() if ax is None else ax
+    axes.plot(*run.robot[:, :2].T, label="robot, mean of a cycle", **line(0))
+    axes.plot(*run.unicycle[:, :2].T, label="unicycle", **line(1))
+    axes.plot(*run.robot[0, :2], "o", color=BLACK, markersize=5, linestyle="none", label="start")
     frame(axes)
     return axes

@@ -88,3 +88,9 @@ def standing(model: Model, leg_angle: Array, yaw: float = 0.0) -> Array:
     roll = np.arcsin(y / across) - np.arctan2(c[1], -c[2])
     pitch = np.arctan2(-np.sqrt(across**2 - y**2), c[0]) - np.arctan2(-np.sqrt(depth), x)
     return np.array([*((a + np.pi) % (2 * np.pi) - np.pi for a in (roll, pitch)), yaw])
+
+
+def radius_of(model: Model) -> float:
+    """Half the shell's width [m]."""
+    shell = model.robot.shell
+    return max(shell.support(np.array(u)) for u in ((1.0, 0, 0), (0, 1.0, 0)))
