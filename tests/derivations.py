@@ -141,8 +141,11 @@ def _rotation(roll: sp.Expr, pitch: sp.Expr, yaw: sp.Expr) -> tuple[sp.Matrix, s
 
 
 @functools.cache
-def _derive(name: str) -> Callable[..., tuple[list, ...]]:
-    """Derive a variant's kinematics once: a function of (q, u, r, b, l1, l2), giving lists."""
+def _derive(name: str, modules: str = "math") -> Callable[..., tuple[list, ...]]:
+    """Derive a variant's kinematics once: a function of (q, u, r, b, l1, l2), giving lists.
+
+    With modules "numpy" each entry may be an array over states.
+    """
     variant = _VARIANTS[name]
     free = [sp.Symbol(f"theta{i}") for i in variant.angles]
     phi = list(sp.symbols("phi1 phi2"))
@@ -174,7 +177,7 @@ def _derive(name: str) -> Callable[..., tuple[list, ...]]:
         omega.jacobian(u).tolist(),
         list(omega.jacobian(q) * u),
     )
-    return sp.lambdify((list(q), list(u), r, b, l1, l2), parts, modules="math", cse=True)
+    return sp.lambdify((list(q), list(u), r, b, l1, l2), parts, modules=modules, cse=True)
 
 
 def _kinematics(name: str, robot: PointMassRobot, q: Array, u: Array) -> _Kinematics:

@@ -7,6 +7,7 @@ from scipy.optimize import brentq
 
 import rrrobot as rr
 from rrrobot.orbits import branches
+from tests import kane_lanes as kane
 from tests.derivations import PointMassRobot, single_axis_model
 
 ROBOT = rr.Robot.from_parameters()
@@ -14,7 +15,7 @@ FULL = rr.FullModel(ROBOT)
 LIGHT = 0.003
 
 
-def kane(axis, gait, damping, state):
+def kane_single(axis, gait, damping, state):
     """(angle, rate) of a single-axis model one period later, by Kane's equations."""
 
     def rate(t, y):
@@ -28,7 +29,7 @@ def kane(axis, gait, damping, state):
 def kane_monodromy(axis, gait, damping, state, step=1e-4):
     columns = []
     for e in step * np.eye(2):
-        low, high = (kane(axis, gait, damping, state + k * e) for k in (-1, 1))
+        low, high = (kane_single(axis, gait, damping, state + k * e) for k in (-1, 1))
         columns.append((high - low) / (2 * step))
     return np.array(columns).T
 
@@ -91,7 +92,7 @@ def test_folds_of_a_softening_pendulum(duffing):
     for i in folds:
         c = duffing.cycles[i]
         start = np.array((c.euler[1], c.euler_rates[1]))
-        np.testing.assert_allclose(kane("pitch", c.gait, 0.0015, start), start, atol=1e-8)
+        np.testing.assert_allclose(kane_single("pitch", c.gait, 0.0015, start), start, atol=1e-8)
         values = np.linalg.eigvals(kane_monodromy("pitch", c.gait, 0.0015, start))
         assert np.abs(values - 1).min() < 1e-6
         nearest = np.argmin(np.abs(c.multipliers - 1))
@@ -114,6 +115,28 @@ def test_symmetry_is_lost_with_legs_in_phase():
     assert c.stable and abs(c.yaw_rate) > 0.01 and c.amplitude[0] > 0.01
     mirrored = line.switched("branch point", length=-0.05)
     assert mirrored.yaw_rate == pytest.approx(-c.yaw_rate, rel=1e-6)
+
+
+def test_a_torus_is_born_where_kanes_equations_have_a_pair_of_size_one():
+    """Legs in phase, little damping: the pair of the roll leaves the unit circle."""
+    light = 0.002
+    gait = rr.SinusoidalGait(offset=np.pi / 2, amplitude=0.18, angular_frequency=6.293)
+    c = rr.limit_cycle(rr.FullModel(ROBOT, damping=light), gait)
+    line = rr.orbits.branch(c, "amplitude", to=0.26, back=0.17)
+    ((kind, place),) = line.special
+    assert kind == "torus" and line.value[place] == pytest.approx(0.221573, abs=1e-6)
+    assert line.stable[:place].all() and not line.stable[place + 1 :].any()
+    c = line.cycles[place]
+    legs = kane.Gaits(*(np.full((1, 2), x) for x in (np.pi / 2, line.value[place], 0.0)),
+                      np.array([6.293]))  # fmt: skip
+    start = np.concatenate((c.euler, c.euler_rates, np.zeros(4)))[None]
+    end, _ = kane.carried(legs, start, 1, 60, light)
+    np.testing.assert_allclose(end[:, kane.BACK], start[:, kane.BACK], atol=1e-10)
+    (monodromy,) = kane.monodromies(legs, start, 60, light)
+    pair = kane.sorted_by_size(np.linalg.eigvals(monodromy))[:2]
+    np.testing.assert_allclose(np.abs(pair), 1.0, atol=1e-7)
+    assert abs(pair[0].imag) > 0.5
+    np.testing.assert_allclose(pair, c.multipliers[:2], atol=1e-7)
 
 
 def test_points_of_a_branch_are_limit_cycles():
@@ -166,8 +189,45 @@ def test_a_branch_ends_at_lift_off_with_the_reason():
     assert line.cycles[-1].lifts_off
 
 
+def test_an_interrupted_branch_is_gone_on_from(monkeypatch, tmp_path):
+    c, store = rr.limit_cycle(FULL, rr.gait("circular")), tmp_path / "branch.nc"
+    whole = rr.orbits.branch(c, "amplitude", to=0.5)
+    count, step = [0], branches.Walk._stepped
+
+    def stopped(self, point):
+        count[0] += 1
+        if count[0] == 3:
+            raise KeyboardInterrupt
+        return step(self, point)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(branches.Walk, "_stepped", stopped)
+        with pytest.raises(rr.errors.BranchInterrupted, match="and so does"):
+            rr.orbits.branch(c, "amplitude", to=0.5, store=store)
+    resumed = rr.orbits.branch(c, "amplitude", to=0.5, store=store)
+    np.testing.assert_allclose(resumed.value[:3], whole.value[:3], rtol=1e-9)
+    assert resumed.value[-1] == pytest.approx(0.5, rel=1e-12)
+    assert resumed.cycles[-1].speed == pytest.approx(whole.cycles[-1].speed, rel=1e-9)
+
+
+def test_a_branch_ends_at_the_vertical_with_the_reason():
+    """The pitch's swing grows towards resonance until it reaches 90 degrees."""
+    gait = rr.SinusoidalGait(offset=np.pi / 2, amplitude=0.8, angular_frequency=5.2)
+    line = rr.orbits.branch(rr.limit_cycle(FULL, gait), "amplitude", to=3.0, step=0.3)
+    assert "the pitch reaches 90 degrees near amplitude = 1.4" in line.ended
+    assert "BodyRateDamping" in line.ended
+    top = np.abs(line.cycles[-1].trajectory().euler[:, 1]).max()
+    assert np.deg2rad(85) < top < np.pi / 2
+
+
 def test_bad_input():
     c = rr.limit_cycle(FULL, rr.gait("circular"))
+    with pytest.raises(rr.ParameterError, match="damping must stay above 0, for without it"):
+        rr.orbits.branch(c, "damping", to=0.0)
+    with pytest.raises(rr.ParameterError, match=r"to is -0\.01 kg: leg_mass must stay above 0"):
+        rr.orbits.branch(c, "leg_mass", to=-0.01)
+    with pytest.raises(rr.ParameterError, match=r"back is -1 rad/s: angular_frequency must stay"):
+        rr.orbits.branch(c, "angular_frequency", to=9.0, back=-1.0)
     with pytest.raises(rr.ParameterError, match="no parameter 'hat' here: it must be one of"):
         rr.orbits.branch(c, "hat", to=1.0)
     with pytest.raises(rr.ParameterError, match="where the cycle is already"):

@@ -119,7 +119,7 @@ def test_several_motions_hold_and_the_one_from_rest_counts(monkeypatch):
 
 @pytest.mark.slow
 def test_a_front_by_orbits():
-    box = {"points": 3, "budget": 900, "tied": True, "offset": (1.2, 1.9)}
+    box = {"n_points": 3, "budget": 900, "tied": True, "offset": (1.2, 1.9)}
     fronts = [rr.pareto_front(MODEL, settle=settle, **box) for settle in ("cycles", "orbit")]
     assert fronts[1].cycles < 0.22 * fronts[0].cycles
     assert fronts[1].speed[-1] == pytest.approx(fronts[0].speed[-1], rel=1e-3)

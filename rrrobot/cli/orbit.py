@@ -18,6 +18,7 @@ from rrrobot.files import check_writable
 
 if TYPE_CHECKING:
     from rrrobot.orbits.limit_cycles import LimitCycle
+    from rrrobot.orbits.starts import Attractors
 
 
 @click.command("orbit")
@@ -28,6 +29,9 @@ if TYPE_CHECKING:
     gait=GaitOptions,
     damping=DampingOptions,
 )
+@click.option(
+    "--starts", type=click.IntRange(1), help="Instead: what so many random starts come to."
+)
 @click.option("--plot", metavar="FILE", help="Angles, torques, multipliers and path: .png, .svg.")
 @click.option("--json", "as_json", is_flag=True, help="As JSON, SI units.")
 def orbit_command(
@@ -36,6 +40,7 @@ def orbit_command(
     ground: GroundOptions,
     gait: GaitOptions,
     damping: DampingOptions,
+    starts: int | None,
     plot: str | None,
     as_json: bool,
 ) -> None:
@@ -48,11 +53,30 @@ def orbit_command(
     Examples:
       rrrobot orbit --gait circular --plot cycle.png
       rrrobot orbit --offset pi/2 --amplitude 0.5 --frequency 5.2 --phase 0 --json
+      rrrobot orbit --offset pi/2 --amplitude 0.7 --frequency 5.4 --phase 0 --starts 64
     """
+    if starts is not None:
+        if plot is not None:
+            raise click.UsageError("--plot draws one cycle: it does not go with --starts.")
+        found = orbit.attractors(robot, ground, gait, damping, starts)
+        tell(found.to_dict(), _attractors(found), [], as_json=as_json)
+        return
     path = None if plot is None else check_writable(Path(plot))
     cycle = orbit.build(robot, ground, gait, damping)
     files = [] if path is None else [write_figure(cycle.plot("all"), path)]
     tell(cycle.to_dict() | {"model": cycle.model.name}, _table(cycle), files, as_json=as_json)
+
+
+def _attractors(found: Attractors) -> str:
+    rows = [
+        (f"{100 * share:.0f} %", f"period {c.periods}, {1e3 * c.speed:.6f} mm/s, "
+         f"{c.yaw_rate:.6f} rad/s, largest multiplier {abs(c.multipliers[0]):.4f}")
+        for c, share in zip(found.cycles, found.share, strict=True)
+    ]  # fmt: skip
+    for share, words in ((found.elsewhere, "do not repeat"), (found.lost, "tip over")):
+        if share:
+            rows.append((f"{100 * share:.0f} %", words))
+    return aligned(rows)
 
 
 def _table(cycle: LimitCycle) -> str:

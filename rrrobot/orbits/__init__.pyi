@@ -12,6 +12,8 @@ from rrrobot.orbits.oscillations import equilibrium as equilibrium
 from rrrobot.orbits.oscillations import measured_period as measured_period
 from rrrobot.orbits.oscillations import modes as modes
 from rrrobot.orbits.oscillations import table_3 as table_3
+from rrrobot.orbits.starts import Attractors as Attractors
+from rrrobot.orbits.starts import attractors as attractors
 from rrrobot.orbits.travel import Travel as Travel
 from rrrobot.orbits.travel import TravelForm as TravelForm
 from rrrobot.orbits.travel import travel_form as travel_form

@@ -206,7 +206,7 @@ def branch(
 
     Raises:
         ParameterError: there is no such parameter; `to` is where the cycle is; numbers out of
-            range.
+            range, such as a damping that is not above zero.
         OrbitError: not even the first step is possible.
         OutputError: the store is another branch's, or cannot be written.
         BranchInterrupted: Ctrl-C; `.branch` holds the points so far.
@@ -223,7 +223,9 @@ def branch(
     goal = finite("to", to, chosen.unit)
     if goal == chosen.value:
         raise ParameterError(f"to is {to!r} {chosen.unit}: that is where the cycle is already.")
-    behind = 2 * chosen.value - goal if back is None else finite("back", back, chosen.unit)
+    behind = chosen.behind(goal) if back is None else finite("back", back, chosen.unit)
+    chosen.check("to", goal)
+    chosen.check("back", behind)
     longest = _LONGEST if step is None else finite("step", step, above=0)
     if isinstance(n_points, bool) or not isinstance(n_points, int) or n_points < 1:
         raise ParameterError(f"n_points is {n_points!r}: it must be a whole number, at least 1.")

@@ -35,6 +35,8 @@ _SHRINK, _GROW = 0.5, 1.4
 _EASY = 4
 """Newton steps up to which the next step may be longer."""
 _LOCATED = 1e-11
+_STEEP = 0.98
+"""Sine of the pitch beyond which a branch is lost at the vertical."""
 FOLD, DOUBLING, TORUS, CROSSING = "fold", "period doubling", "torus", "branch point"
 KINDS = (FOLD, DOUBLING, TORUS, CROSSING)
 
@@ -108,7 +110,7 @@ class Curve:
                 return Point(
                     z=z, tangent=unit, monodromy=monodromy, found=found, crossing=crossing, newton=n
                 )
-            if not np.isfinite(size) or size > 10.0:
+            if not np.isfinite(size) or size > 10.0 or not np.all(np.isfinite(slope)):
                 break
             whole = np.vstack((slope, tangent))
             z = z - np.linalg.lstsq(whole, np.append(F, tangent @ (z - anchor)), rcond=1e-14)[0]
@@ -188,7 +190,7 @@ class Walk:
             try:
                 new = self._stepped(point)
             except RRRobotError as error:
-                self.ended = str(error)
+                self.ended = self._why(point, error)
                 return
             before, after = point.tests(), new.tests()
             for kind in KINDS:
@@ -215,14 +217,25 @@ class Walk:
             point = new
         self.ended = f"{most} points were made"
 
+    def _why(self, point: Point, error: RRRobotError) -> str:
+        """Why there is no next point."""
+        if point.found.case.setting.limit >= 1.0 or point.found.measures.pitch[0] < _STEEP:
+            return str(error)
+        parameter = self.curve.parameter
+        return (
+            f"the pitch reaches 90 degrees near {parameter.name} = "
+            f"{self.curve.value(point.z):.6g} {parameter.unit}, where the damping on Euler rates "
+            "is singular: go on with BodyRateDamping"
+        )
+
     def _stepped(self, point: Point) -> Point:
         while True:
             try:
                 new = self.curve.step(point, self.step)
                 if new.tangent @ point.tangent > 0.8 or self.step <= 2 * self.shortest:
                     break
-            except RRRobotError as error:
-                if self.step <= 2 * self.shortest or "pitch of" in str(error):
+            except RRRobotError:
+                if self.step <= 2 * self.shortest:
                     raise
             self.step *= _SHRINK
         self._taken = self.step

@@ -7,6 +7,7 @@ robots the radius of a spherical shell and each link's mass, its inertia growing
 
 from __future__ import annotations
 
+import math
 import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -31,6 +32,7 @@ _UNITS = {
     "phase_difference": "rad",
 }
 _LOSSES = ("damping_roll", "damping_pitch", "damping_yaw")
+_BRAKES = ("damping", *_LOSSES)
 _MASS, _RADII, _GRAVITY, _LOSS = 0, slice(1, 3), 3, 4
 
 
@@ -42,17 +44,32 @@ class Parameter:
         name, unit: its name and unit.
         value: now.
         at: the same case with another value of it.
+        above: values must be greater.
     """
 
     name: str
     unit: str
     value: float
     at: Callable[[float], Case]
+    above: float = -math.inf
 
     @property
     def size(self) -> float:
         """What counts as a change of order one: 1 rad of an angle, the value itself of others."""
         return 1.0 if self.unit == "rad" else abs(self.value) or 1.0
+
+    def behind(self, goal: float) -> float:
+        """As far behind the value as a goal lies before it, or near the least value."""
+        return max(2 * self.value - goal, self.above + 0.01 * (self.value - self.above))
+
+    def check(self, argument: str, value: float) -> None:
+        """Raise ParameterError for a value that has no meaning."""
+        if value <= self.above:
+            why = ", for without it next to each orbit lie others" if self.name in _BRAKES else ""
+            raise ParameterError(
+                f"{argument} is {value:g} {self.unit}: {self.name} must stay above "
+                f"{self.above:g}{why}."
+            )
 
 
 def parameters_of(case: Case) -> dict[str, Parameter]:
@@ -108,7 +125,8 @@ def _of_gait(case: Case) -> list[Parameter]:
         def at(value: float) -> Case:
             return with_gait(key, np.full_like(array, value))
 
-        return Parameter(key, _UNITS[key], float(array.flat[0]), at)
+        low = 0.0 if key == "angular_frequency" else -math.inf
+        return Parameter(key, _UNITS[key], float(array.flat[0]), at, low)
 
     out = []
     for key, array in fields.items():
@@ -147,7 +165,7 @@ def _of_robot(case: Case) -> list[Parameter]:
 
         name = key if leg is None else f"{key}[{leg}]"
         unit = "kg" if key.endswith("mass") else "m"
-        return Parameter(name, unit, float(given if leg is None else given[leg]), at)
+        return Parameter(name, unit, float(given if leg is None else given[leg]), at, 0.0)
 
     out = []
     for key in ("leg_mass", "servo_mass", "battery_mass", "shell_radius", "leg_length",
@@ -185,13 +203,13 @@ def _of_any_robot(case: Case) -> list[Parameter]:
             return replace(case, setting=setting._replace(tree=changed, parameters=numbers))
 
         name = "base" if i == 0 else robot.model.names[i + 1]
-        return Parameter(f"mass[{name}]", "kg", float(tree.mass[i]), at)
+        return Parameter(f"mass[{name}]", "kg", float(tree.mass[i]), at, 0.0)
 
     masses = [mass_of(i) for i in range(tree.mass.size) if tree.mass[i] > 0]
     if setting.axis == ANY:
         # Of a shell that is no sphere about the pivot there is no one length.
         return masses
-    shell = Parameter("shell_radius", "m", float(setting.parameters[_RADII].max()), radius)
+    shell = Parameter("shell_radius", "m", float(setting.parameters[_RADII].max()), radius, 0.0)
     return [shell, *masses]
 
 
@@ -205,7 +223,7 @@ def _of_setting(case: Case) -> list[Parameter]:
             changed[places] = value
             return replace(case, setting=setting._replace(parameters=changed))
 
-        return Parameter(name, unit, float(numbers[places[0]]), at)
+        return Parameter(name, unit, float(numbers[places[0]]), at, 0.0)
 
     unit = "N m s/rad"
     losses = [_LOSS + i for i in range(3) if numbers[_LOSS + i] > 0]

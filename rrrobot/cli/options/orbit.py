@@ -22,7 +22,9 @@ from rrrobot.models.recombined import DecoupledModels
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 
 if TYPE_CHECKING:
+    from rrrobot.drive.gaits import Gait
     from rrrobot.orbits.limit_cycles import LimitCycle
+    from rrrobot.orbits.starts import Attractors
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,6 +53,34 @@ class OrbitOptions(Group):
         damping: DampingOptions,
     ) -> LimitCycle:
         """Find the cycle."""
+        model, legs = self._case(robot, ground, gait, damping)
+        from rrrobot.orbits.limit_cycles import limit_cycle
+
+        return limit_cycle(model, legs, periods=self.periods, steps_per_cycle=self.steps)
+
+    def attractors(
+        self,
+        robot: RobotOptions,
+        ground: GroundOptions,
+        gait: GaitOptions,
+        damping: DampingOptions,
+        n_starts: int,
+    ) -> Attractors:
+        """Find what several starts come to."""
+        self.refuse(("steps",), "does not go with --starts")
+        model, legs = self._case(robot, ground, gait, damping)
+        from rrrobot.orbits.starts import attractors
+
+        return attractors(model, legs, n_starts=n_starts, periods=max(4, self.periods))
+
+    def _case(
+        self,
+        robot: RobotOptions,
+        ground: GroundOptions,
+        gait: GaitOptions,
+        damping: DampingOptions,
+    ) -> tuple[Any, Gait]:
+        """The model and the gait; Numba loads after this, so that it costs nobody who has none."""
         parts = Parts.of(robot, ground, damping)
         model: Any
         if self.model == DECOUPLED:
@@ -60,7 +90,4 @@ class OrbitOptions(Group):
             model = parts.model(MODELS[self.model])
         legs = gait.build(parts.robot, robot)
         tell_of_compiling(quiet=False, alone=True)
-        # Numba loads here, so that it costs nobody who does not use it.
-        from rrrobot.orbits.limit_cycles import limit_cycle
-
-        return limit_cycle(model, legs, periods=self.periods, steps_per_cycle=self.steps)
+        return model, legs
