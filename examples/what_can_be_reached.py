@@ -18,7 +18,8 @@ for name in ("forward", "backward", "left", "right"):
 gear = rr.steering.Gear(motions, "left")
 drive = gear.drive(speed=0.015, curvature=2.0)
 print(f"15 mm/s on a circle of half a metre: offset {drive.offset:.4f} rad, "
-      f"amplitude {drive.amplitude:.4f} rad, leg 2 ahead by {drive.phase_difference:.4f}")  # fmt: skip
+      f"amplitude {drive.amplitude:.4f} rad, leg 2 ahead by {drive.phase_difference:.4f}"
+)  # fmt: skip
 print("30 mm/s there:", "yes" if gear.reaches(0.03, 2.0) else "no, but",
       f"{1000 * gear.fastest(2.0):.1f} mm/s")  # fmt: skip
 
