@@ -89,7 +89,6 @@ def draw(rows: dict[str, list[dict[str, float]]]) -> None:
         ax.set_xscale("log")
         if i == 0:
             legend_above(ax, columns=1)
-    figure.tight_layout()
     write_figure(figure, Path("docs/images/decoupled.png"))
 
 

@@ -121,3 +121,9 @@ def test_page_is_what_the_results_say():
         pytest.skip("benchmarks have not been run")
     assert report.PAGE.read_text() == report.page(common.RESULTS)
     assert report.README.read_text() == report.readme(common.RESULTS, report.README)
+
+
+def test_steering_page_is_what_the_results_say():
+    from benchmarks import report_steering
+
+    assert report_steering.PAGE.read_text() == report_steering.page()
