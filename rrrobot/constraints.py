@@ -93,6 +93,11 @@ class Constraint(ABC):
         """The constraint's force (m,) of its rows' multipliers; as they are, unless overridden."""
         return multipliers
 
+    def gap(self, at: Instant) -> Array:
+        """What the position is off (m,) [m or rad], after `rows`, which are its rate; zero on
+        nonholonomic rows, and on all unless overridden."""
+        return np.zeros(self.holonomic.size)
+
 
 class RollingContact(Constraint):
     """No-slip rolling of a body's shell on the ground; its force is the contact force.
@@ -185,6 +190,12 @@ class RollingContact(Constraint):
             return float(normal @ (placement.translation + arm))
         contact = self._found(placement)
         return float(contact.normal @ (placement.translation + contact.arm - contact.point))
+
+    def gap(self, at: Instant) -> Array:
+        """The height over the ground along the rows (m,) [m], of any ground."""
+        placement = at.data.oMf[self.frame_id]
+        normal = self._ball[0] if self._ball is not None else self._found(placement).normal
+        return self._project @ (self.height(at.data) * np.asarray(normal))
 
     def _found(self, placement: pin.SE3) -> Contact:
         """The contact, from where the shell stands alone."""

@@ -35,6 +35,7 @@ class History:
         multipliers: force of each constraint by its name, (n,) or (n, rows).
         energy: kinetic and potential (n,) [J].
         violation: the largest of |J v - c| over all rows (n,).
+        gap: the largest that positions are off on holonomic rows (n,) [m or rad].
         states: coordinates and velocity (n, nz + nv).
         motion: what the motors follow, (time) -> LegMotion or None.
         torque: what they push with, (time, z, v) -> (shape,) or None.
@@ -114,6 +115,15 @@ class History:
         for t, z, v in self._split():
             rows = model.rows(model.coordinates.to_q(z), v, t, self.motion(t))
             found.append(np.abs(rows.residual).max(initial=0.0))
+        return np.array(found)
+
+    @cached_property
+    def gap(self) -> Array:
+        model, found = self.model, []
+        for t, z, v in self._split():
+            q, motion = model.coordinates.to_q(z), self.motion(t)
+            model.rows(q, v, t, motion)
+            found.append(np.abs(model.gaps(q, v, t, motion)).max(initial=0.0))
         return np.array(found)
 
     def _split(self) -> Iterator[tuple[float, Array, Array]]:

@@ -24,8 +24,9 @@ from rrrobot.models.full import FullModel
 from rrrobot.robot.robot import Robot
 from rrrobot.rotations import rotation_from_quaternion
 
-_STRETCH = 25
-"""Sample intervals that are taken at a time."""
+_STRETCH, _SECONDS = 25, 0.5
+"""Sample intervals, and about how long [s], that are taken at a time: a rattle grows and dies
+within a second, and only the ends of a stretch are gone over again."""
 _ORDER = 8
 _STRICT = 0.02
 """Part of the tolerances that is used: an adaptive DOP853, which overestimates its errors, keeps
@@ -61,7 +62,9 @@ def roll(
     step = min(used.max_step, float(np.diff(times).max()))
     try:
         while done < times.size - 1 and stop is None:
-            last = min(done + _STRETCH, times.size - 1)
+            interval = float(times[done + 1] - times[done])
+            stretch = max(1, min(_STRETCH, int(_SECONDS / interval)))
+            last = min(done + stretch, times.size - 1)
             span = times[done : last + 1]
             run = rolling.run(y, span, step)
             evaluations += run.evaluations

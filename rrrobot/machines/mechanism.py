@@ -4,8 +4,9 @@
 
 motors either prescribed, rows whose multipliers are their torques, or torque driven. The state is
 (z, v): coordinates (see `Coordinates`) and Pinocchio's velocity. It is integrated as it is, and
-after every step brought back: z onto the holonomic constraints by one Newton step, v onto all rows
-by the least change. Prescribed joints follow their motion exactly at all times.
+after every step brought back: z onto the holonomic constraints by Newton steps, v onto all rows by
+the least change, so that neither drifts however long the run. Prescribed joints follow their motion
+exactly at all times.
 """
 
 from __future__ import annotations
@@ -29,6 +30,9 @@ from rrrobot.machines.solve import least, meet, solve
 from rrrobot.machines.tree import ROOT
 from rrrobot.rotations import euler_from_rotation, rotation_from_quaternion
 
+_CLOSED = 1e-14
+"""What positions may be off, per metre from the origin, for velocities to be corrected there."""
+_PASSES = 4
 MEETS = 1e-7
 """What a start may break a constraint by before it is refused [m/s or rad/s]."""
 
@@ -160,7 +164,7 @@ class Mechanism:
     def gaps(self, q: Array, v: Array, time: float, motion: LegMotion | None) -> Array:
         """What positions are off on each row (m,), after `rows`; zero on nonholonomic ones."""
         at = Instant(self.data, q, v, time, motion)
-        parts = [_gap(constraint, at) for constraint in self.imposed(motion)]
+        parts = [constraint.gap(at) for constraint in self.imposed(motion)]
         return np.concatenate(parts) if parts else np.zeros(0)
 
     def mass_matrix(self, q: Array) -> Array:
@@ -266,16 +270,17 @@ class Mechanism:
         if motion is not None:
             self.follow(z, v, motion)
         self.coordinates.normalise(z)
-        q = self.coordinates.to_q(z)
-        rows = self.rows(q, v, time, motion)
-        if rows.drift.size:
+        for left in reversed(range(_PASSES)):
+            q = self.coordinates.to_q(z)
+            rows = self.rows(q, v, time, motion)
+            if not rows.drift.size:
+                break
             gap = self.gaps(q, v, time, motion)
-            if gap.any():
-                move, change = least(rows.jacobian, gap, rows.residual)
-                z -= self.coordinates.rate(z, move)
-            else:
-                (change,) = least(rows.jacobian, rows.residual)
-            v -= change
+            if left == 0 or np.abs(gap).max() < _CLOSED * (1.0 + np.abs(z).max()):
+                v -= least(rows.jacobian, rows.residual)[0]
+                break
+            # Rows at a place that is off by more are not those of the place that it is brought to.
+            z -= self.coordinates.rate(z, least(rows.jacobian, gap)[0])
         state[:] = np.concatenate((z, v))
 
     def split(self, state: Array) -> tuple[Array, Array]:
@@ -305,13 +310,3 @@ class Mechanism:
             return f"at t = {time:.4g} s" + (f", shape ({shape})" if shape else "")
 
         return words
-
-
-def _gap(constraint: Constraint, at: Instant) -> Array:
-    own = getattr(constraint, "gap", None)
-    if own is not None:
-        return np.asarray(own(at))
-    gap = np.zeros(constraint.holonomic.size)
-    if isinstance(constraint, RollingContact):
-        gap[constraint.holonomic] = constraint.height(at.data)
-    return gap
