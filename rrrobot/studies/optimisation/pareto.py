@@ -259,7 +259,8 @@ def _front(
 ) -> ParetoFront:
     points, table = evaluator.archive()
     scores = [task.scores(table) for task in tasks]
-    best = np.unique([int(np.argmin(s)) for s in scores])
+    # Mirrored gaits cost the same to the last bit; the faster of them is not dominated.
+    best = np.unique([np.lexsort((-table.speed, s))[0] for s in scores])
     goal, limits = tasks[0].goal, tasks[0].limits
     # The fastest gait that costs as much comes last of equals, and is the one to keep.
     best = best[np.lexsort((table.speed[best], goal.value(table)[best]))]
