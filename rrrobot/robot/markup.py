@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import re
 import xml.etree.ElementTree as ET
+from functools import lru_cache
 from xml.parsers import expat
 
 from rrrobot.errors import UrdfError
@@ -21,6 +22,7 @@ _MAX_NESTING = 100
 _MAX_ATTRIBUTES = 200
 _LONGEST_NAME = 1000
 
+_COMMENT = re.compile(r"(<!\[CDATA\[).*?\]\]>|<!--.*?-->", re.DOTALL)
 _DECLARATION = re.compile(r"\A\s*<\?xml\s[^>]*\?>")
 
 
@@ -58,26 +60,17 @@ def check_size(n: int) -> None:
         raise UrdfError(f"the URDF has more than {MAX_BYTES} bytes: that is the limit.")
 
 
+@lru_cache(maxsize=2)
 def _without_comments(text: str) -> str:
     """The text with blanks for comments and for the declaration; its lines stay where they are."""
-    parts, at = [], 0
-    while (begin := text.find("<!", at)) >= 0:
-        if text.startswith("<![CDATA[", begin):
-            end, cut = text.find("]]>", begin), ""
-        elif text.startswith("<!--", begin):
-            end, cut = text.find("-->", begin + 4), "comment"
-        else:
-            parts.append(text[at : begin + 2])
-            at = begin + 2
-            continue
-        if end < 0:
-            break
-        inside = text[begin : end + 3]
-        parts += [text[at:begin], _blank(inside) if cut else inside]
-        at = end + 3
-    clean = "".join((*parts, text[at:]))
+    clean = _COMMENT.sub(_outside_data, text)
     # It is UTF-8 whatever the declaration says, so nothing is lost with it.
     return _DECLARATION.sub(lambda found: _blank(found.group()), clean)
+
+
+def _outside_data(found: re.Match[str]) -> str:
+    """A blank for a comment; what is in a CDATA section is none."""
+    return found.group() if found.group(1) else _blank(found.group())
 
 
 def _blank(text: str) -> str:
