@@ -77,6 +77,30 @@ def test_is_the_steady_state_of_a_simulation(model: rr.FullModel | DecoupledMode
             assert found == pytest.approx(getattr(state, kind)[i], abs=5e-5), (axis, kind)
 
 
+def test_starts_that_are_tilted() -> None:
+    """Two cycles from a tilted impulsive start are far from settled, and a simulation's."""
+    gait, period = rr.gait("circular"), rr.gait("circular").period
+    slope = rr.FullModel(ROBOT, ground=rr.Plane((0.1, -0.05, 1.0)))
+    for model in (FULL, rr.PivotingModel(ROBOT), slope):
+        ds = sweep(model, offset=np.pi / 4, start_roll=[0.0, 0.2], start_pitch=-0.3, cycles=2,
+                   counted=2, steps_per_cycle=60)  # fmt: skip
+        for k, roll in enumerate((0.0, 0.2)):
+            t = rr.simulate(
+                model, gait, 2 * period, period / 64, euler=(roll, -0.3, 0), method="momentum"
+            )
+            state = t.steady_state(after=0.0)
+            assert float(ds.speed[k]) == pytest.approx(state.speed, rel=1e-6)
+            assert float(ds.yaw_rate[k]) == pytest.approx(state.yaw_rate, rel=1e-6, abs=1e-9)
+    upright = sweep(FULL, offset=np.pi / 4, cycles=3)
+    assert float(sweep(FULL, offset=np.pi / 4, start_roll=0.0, cycles=3).speed) == upright.speed
+    with pytest.raises(rr.ParameterError, match="start_pitch is given, and the roll model"):
+        sweep(rr.RollModel(ROBOT), offset=1.0, start_pitch=0.1)
+    with pytest.raises(rr.ParameterError, match="reaches the vertical"):
+        sweep(FULL, offset=1.0, start_pitch=[0.1, 1.6])
+    with pytest.raises(rr.ParameterError, match="limit cycle does not depend on its start"):
+        sweep(FULL, offset=1.0, start_roll=0.1, settle="orbit")
+
+
 def test_reference_values_after_thirty_seconds() -> None:
     ds = sweep(FULL, offset=[np.pi / 4, np.pi / 2])
     assert (ds.attrs["cycles"], ds.attrs["counted"]) == (38, 18)

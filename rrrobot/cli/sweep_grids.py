@@ -25,7 +25,9 @@ _PLANE = {
     "amplitude": "0.3",
     "frequency": "8",
 }
-_GRIDS = ("offset", "phase_difference", "phase", "amplitude", "frequency")
+_GRIDS = (
+    "offset", "phase_difference", "phase", "amplitude", "frequency", "start_roll", "start_pitch",
+)  # fmt: skip
 
 
 class Grid(_ParamType):
@@ -86,8 +88,12 @@ class GridOptions(Group):
     phase: Entries = _grid("phase", "Of each leg instead [rad].")
     amplitude: Entries = _grid("amplitude", "Of the swing [rad]; 0.3 unless given.")
     frequency: Entries = _grid("frequency", "Angular, of all legs [rad/s]; 8 unless given.")
+    start_roll: Entries = _grid("start-roll", "Roll of the body at the start [rad]; 0.")
+    start_pitch: Entries = _grid("start-pitch", "Its pitch [rad]; 0.")
     parameter: Entries = _grid(
-        "parameter", "RRRobot: as leg_mass=0.04:0.08:5 or shell_radius=0.1,0.12."
+        "parameter",
+        "RRRobot: as leg_mass=0.04:0.08:5 or shell_radius=0.1,0.12. Other robots: LINK.mass, "
+        "shell.radius and what else `rr.robot.varied` takes.",
     )
     paper: bool = option(
         "--paper",

@@ -36,7 +36,7 @@ from rrrobot.momentum.settle import settle
 from rrrobot.momentum.summary import N_MOTION, N_RESULT, RESULT
 from rrrobot.momentum.vertical import pitch_of
 from rrrobot.momentum.work import work_of
-from rrrobot.rotations import turns_over
+from rrrobot.rotations import quaternion_from_euler, turns_over
 
 LOADS = ("friction", "rms_torque", "peak_torque", "power")
 """Further entries of a lane's steady state, on request; see `extremes.LOADS`."""
@@ -137,9 +137,10 @@ def steady_states(
     counted: int,
     steps_per_cycle: int,
     yaw: GaitBatch | None = None,
+    tilt: Array | None = None,
     loads: bool = False,
 ) -> Array:
-    """Steady states of many gaits from an upright impulsive start (n, N_RESULT).
+    """Steady states of many gaits from impulsive starts (n, N_RESULT).
 
     The columns are `RESULT`, on request followed by `LOADS`; those of a lane that stopped or lifts
     off are NaN, its status says why. Holds no interpreter lock while it computes, so chunks may run
@@ -153,11 +154,14 @@ def steady_states(
         steps_per_cycle: of a sphere: 10 give about 3e-7 of the speed on RRRobot. Shells that are
             sharper than a sphere take as many times more as their radii of curvature differ.
         yaw: the yaw model's own gaits, for decoupled models; the same if None. The paper's Fig 20.
+        tilt: roll and pitch of the starts (n, 2) [rad]; upright if None.
         loads: whether to have these too (n, N_RESULT + len(LOADS)); NaN for decoupled models. On
             RRRobot 10 steps give the torques and the friction to 1e-3, 20 to 1e-6.
     """
     each = np.full(gaits.n, cycles)
-    found = settled(setting, gaits, cycles=each, counted=counted, steps=steps_per_cycle, yaw=yaw)
+    found = settled(
+        setting, gaits, cycles=each, counted=counted, steps=steps_per_cycle, yaw=yaw, tilt=tilt
+    )
     out = found.results
     if loads and setting.axis != DECOUPLED:
         chosen = [ALL_LOADS.index(name) for name in LOADS]
@@ -177,6 +181,7 @@ def settled(
     counted: int,
     steps: int,
     yaw: GaitBatch | None = None,
+    tilt: Array | None = None,
 ) -> Settled:
     """Simulate gaits, each for its own number of cycles (n,).
 
@@ -195,8 +200,9 @@ def settled(
     own = whole if yaw is None else checked(setting.tree, yaw)
     settle(
         setting.tree, setting.axis, setting.limit, setting.terrain, tuple(whole), tuple(own),
-        np.ascontiguousarray(cycles, dtype=np.int64), turns_of(steps, harmonics), slope_of,
-        value_of, work_of(setting, harmonics, counted, steps), found.motion, sine, found.results,
+        np.ascontiguousarray(cycles, dtype=np.int64), _starts(n, setting, tilt),
+        turns_of(steps, harmonics), slope_of, value_of,
+        work_of(setting, harmonics, counted, steps), found.motion, sine, found.results,
     )  # fmt: skip
     if setting.axis != DECOUPLED:
         status = found.results[:, _STATUS]
@@ -206,6 +212,16 @@ def settled(
     found.results[:, _PITCH] = np.nan if setting.axis == DECOUPLED else pitch_of(sine)
     found.results[:, _CLEARANCE] = clearance(setting, whole, found.motion)
     return found
+
+
+def _starts(n: int, setting: Setting, tilt: Array | None) -> Array:
+    """States without momentum (n, N_STATE), with roll and pitch (n, 2) [rad]."""
+    begin = np.zeros((n, N_STATE))
+    if tilt is not None:
+        begin[:, :4] = quaternion_from_euler(np.column_stack((tilt, np.zeros(n))))
+    elif setting.axis != DECOUPLED:
+        begin[:, 3] = 1.0
+    return begin
 
 
 @cache

@@ -42,16 +42,17 @@ from rrrobot.momentum.vertical import N_PAST, largest_between, may_pass, watch
 
 @compiled()
 def settle(  # type: ignore[no-untyped-def]
-    tree, axis, limit, terrain, gaits, yaw_gaits, cycles, turns, slope_of, value_of, work, motion,
-    sine, out,
+    tree, axis, limit, terrain, gaits, yaw_gaits, cycles, begin, turns, slope_of, value_of, work,
+    motion, sine, out,
 ):  # fmt: skip
-    """Simulate gaits from an upright impulsive start and write their steady states.
+    """Simulate gaits from impulsive starts and write their steady states.
 
     Args:
         tree, axis, limit, terrain: see `Setting`.
         gaits: offset and winding (n, legs), sine and cosine (n, harmonics, legs), frequency (n,).
         yaw_gaits: those of the yaw model alone, for decoupled models; else not used.
         cycles: of each gait (n,).
+        begin: the state that each starts in (n, N_STATE).
         turns: see `turns_of`, (3, rows, harmonics).
         slope_of: (points, steps) from samples of a period to slopes of their trigonometric
             interpolation, times the period; where the motion does not repeat, of a spline's.
@@ -71,7 +72,7 @@ def settle(  # type: ignore[no-untyped-def]
     value_of = borrowed(value_of)
     if terrain is not None:
         terrain = borrowed(terrain)
-    sine, out = borrowed(sine), borrowed(out)
+    sine, out, begin = borrowed(sine), borrowed(out), borrowed(begin)
     n, n_steps = len(out), slope_of.shape[1]
     for first in range(0, n, LANES):
         for i in range(LANES):
@@ -79,6 +80,7 @@ def settle(  # type: ignore[no-untyped-def]
             work.ends[i] = cycles[g]
             for s in range(N_STATE):
                 work.h[s * LANES + i] = 2.0 * np.pi / gaits[4][g] / n_steps
+                work.state[0][s * LANES + i] = begin[g, s]
         tabulate(tree, gaits, first, turns, work.legs, work.table)
         if axis == DECOUPLED:
             tabulate(tree, yaw_gaits, first, turns, work.legs, work.other)
@@ -116,7 +118,7 @@ def _settle(axis, limit, terrain, first, work, motion, out):  # type: ignore[no-
     h, ends, table, par, slopes = work.h, work.ends, work.table, work.parameters, work.slopes
     y, before, total, other = work.state[0], work.state[1], work.state[2], work.state[3]
     n_steps, counted, n_out = len(work.lift), len(work.means), min(LANES, len(out) - first)
-    _begin(axis, y, work.angles, work.sides, work.status, work.largest)
+    _begin(work.angles, work.sides, work.status, work.largest)
     if terrain is not None:
         for i in range(LANES):
             work.rolling[ROOM * LANES + i] = work.rolling[DET * LANES + i] = np.inf
@@ -176,16 +178,12 @@ def _settle(axis, limit, terrain, first, work, motion, out):  # type: ignore[no-
 
 
 @inner
-def _begin(axis, y, angles, sides, status, largest):  # type: ignore[no-untyped-def]
-    """The upright start, with nothing gathered."""
-    for e in range(BLOCK):
-        y[e] = 0.0
+def _begin(angles, sides, status, largest):  # type: ignore[no-untyped-def]
+    """Nothing is gathered yet."""
     for n in range(len(angles)):
         for e in range(3 * LANES):
             angles[n, e] = 0.0
     for i in range(LANES):
-        if axis != DECOUPLED:
-            y[3 * LANES + i] = 1.0
         status[i], largest[i] = OK, 0.0
         sides[0, i], sides[1, i] = 0.0, 1.0
 

@@ -74,14 +74,16 @@ def _made(model: Model, values: dict[str, float], make: Make | None) -> Model:
 def sweep_robots(
     model: Model, parameters: Mapping[str, ArrayLike], *, make: Make | None = None, **options: Any
 ) -> xr.Dataset:
-    """A sweep of each robot, in one dataset whose first dimensions are the parameters.
+    """A sweep of each robot that a function makes, in one dataset; without one, `sweep`.
+
+    The dataset's first dimensions are the parameters.
 
     Args:
         model, parameters, make: see `robots_of`.
-        **options: of `sweep`, but for store and parameters.
+        **options: of `sweep`; with `make`, but for store and resume.
 
     Raises:
-        ParameterError: as `robots_of` and `sweep` raise; store or executor options.
+        ParameterError: as `robots_of` and `sweep` raise.
 
     Example:
         >>> import rrrobot as rr
@@ -93,6 +95,8 @@ def sweep_robots(
     """
     import xarray as xr
 
+    if make is None:
+        return sweep(model, parameters=parameters, **{"progress": False} | options)
     for name in ("store", "resume"):
         if name in options:
             raise ParameterError(f"{name} is of one robot's sweep: leave it out.")

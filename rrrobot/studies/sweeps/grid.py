@@ -5,17 +5,23 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Mapping, Sequence
-from dataclasses import fields
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rrrobot.checks import Array, finite, vector, whole
+from rrrobot.checks import Array, finite, vector
 from rrrobot.drive.gaits import Gait, GaitBatch, SinusoidalGait
-from rrrobot.drive.gaits.base import check_turns
 from rrrobot.errors import ParameterError
-from rrrobot.robot.parameters import RRRobotParameters
+from rrrobot.models.base import Model
+from rrrobot.models.recombined import DecoupledModels
+from rrrobot.studies.sweeps.quantities import (
+    attributes,
+    check_filled,
+    check_whole,
+    label_of,
+    size_of,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,24 +30,6 @@ Grid = float | Sequence[Any] | Array | Mapping[str, Any]
 """A number; a list or an array: a grid for all legs; a tuple, or a mapping from joint names: one
 number or grid for each leg."""
 _PER_LEG = ("offset", "amplitude", "phase", "winding")
-_LABELS = {
-    "offset": ("rad", "leg offset"),
-    "amplitude": ("rad", "leg amplitude"),
-    "phase": ("rad", "leg phase"),
-    "winding": ("1", "whole turns of the legs in a period"),
-    "sine": ("rad", "sine of each harmonic"),
-    "cosine": ("rad", "cosine of each harmonic"),
-    "phase_difference": ("rad", "leg phase difference"),
-    "yaw_amplitude": ("rad", "leg amplitude of the yaw model"),
-    "angular_frequency": ("rad/s", "angular frequency"),
-    "leg_mass": ("kg", "mass at each leg tip"),
-    "servo_mass": ("kg", "mass at each hip"),
-    "battery_mass": ("kg", "mass at the bottom"),
-    "shell_radius": ("m", "shell radius"),
-    "leg_length": ("m", "leg length"),
-    "hip_offset": ("m", "distance from the centre to each hip"),
-    "gravity": ("m/s^2", "gravity"),
-}
 
 
 class _Source(NamedTuple):
@@ -78,12 +66,8 @@ class Plan:
         return {dim: size for dim, size in self.sizes.items() if dim not in self._of_robot}
 
     def add_parameters(self, parameters: Mapping[str, ArrayLike]) -> None:
-        known = [field.name for field in fields(RRRobotParameters)]
+        """Add dimensions of the robot; `Variants` knows whether it has such parameters."""
         for name, values in parameters.items():
-            if name not in known:
-                raise ParameterError(
-                    f"RRRobotParameters has no {name!r}; it has {', '.join(known)}."
-                )
             self._axis(name, values)
         self._of_robot = tuple(self.sizes)
 
@@ -120,7 +104,7 @@ class Plan:
             dims = ("gait", "leg")[: array.ndim]
             if array.ndim == 2:
                 self.coords["leg"] = (("leg",), np.array(self.legs), {"long_name": "leg joint"})
-            self.coords[name] = (dims, array, _attributes(name))
+            self.coords[name] = (dims, array, attributes(name))
             self._sources[name] = [_Source("gait", column) for column in np.atleast_2d(array.T)]
 
     def _add_batch(self, batch: GaitBatch) -> None:
@@ -138,7 +122,7 @@ class Plan:
             dims = (
                 ("gait", "harmonic", "leg") if values.ndim == 3 else ("gait", "leg")[: values.ndim]
             )
-            self.coords[name] = (dims, values, _attributes(name))
+            self.coords[name] = (dims, values, attributes(name))
         # What a gait is leaves nothing for a grid.
         for name in (*_PER_LEG, "phase_difference", "angular_frequency"):
             self._sources[name] = []
@@ -189,6 +173,41 @@ class Plan:
         else:
             self.add("winding", grid)
 
+    def add_start(self, model: Model, **grids: Grid | None) -> None:
+        """Add roll and pitch of the start, where they are given.
+
+        Raises:
+            ParameterError: the model locks that axis, or the pitch is not within +-90 degrees.
+        """
+        for number, (name, grid) in enumerate(grids.items()):
+            if grid is None:
+                continue
+            if isinstance(model, DecoupledModels) or number not in model.axes:
+                raise ParameterError(
+                    f"{name} is given, and the {model.name} model starts without: leave it out."
+                )
+            self._sources[name] = [source := self._axis(name, grid)]
+            if number == 1 and np.any(np.abs(source.values) >= math.pi / 2):
+                raise ParameterError(f"{name} reaches the vertical: keep within +-pi/2.")
+
+    def starts(self, first: int, last: int) -> Array | None:
+        """Roll and pitch (n, 2) [rad] in which gaits first, ..., last - 1 start; None: upright."""
+        names = ("start_roll", "start_pitch")
+        if not any(name in self._sources for name in names):
+            return None
+        place = self._place(first, last)
+        tilt = np.zeros((last - first, 2))
+        for k, name in enumerate(names):
+            for dim, values in self._sources.get(name, ()):
+                tilt[:, k] = values if dim is None else values[place[dim]]
+        return tilt
+
+    def _place(self, first: int, last: int) -> dict[str, Any]:
+        """Where gaits first, ..., last - 1 of one robot are along each dimension."""
+        sizes = self.gait_sizes
+        along = np.unravel_index(np.arange(first, last), tuple(sizes.values())) if sizes else ()
+        return dict(zip(sizes, along, strict=True))
+
     def add_yaw_amplitude(self, values: float | xr.DataArray) -> None:
         import xarray as xr
 
@@ -212,18 +231,16 @@ class Plan:
             if np.isinf(table).any():
                 raise ParameterError(f"{name} has an infinite value: give numbers, or NaN.")
         self._yaw = dims, table
-        self.coords["yaw_model_amplitude"] = (dims, table, _attributes(name))
+        self.coords["yaw_model_amplitude"] = (dims, table, attributes(name))
 
     def gaits(self, first: int, last: int) -> tuple[GaitBatch, GaitBatch | None]:
         """Gaits first, ..., last - 1 of one robot, and those of the yaw model alone if it has."""
+        place = self._place(first, last)
         if self._batch is not None:
-            return self._batch.rows(slice(first, last)), None
-        sizes, number = self.gait_sizes, np.arange(first, last)
-        along = np.unravel_index(number, tuple(sizes.values())) if sizes else ()
-        place = dict(zip(sizes, along, strict=True))
+            return self._batch.rows(place["gait"]), None
 
         def table(name: str, columns: int) -> Array:
-            out = np.empty((number.size, columns))
+            out = np.empty((last - first, columns))
             sources = self._sources[name]
             for k in range(columns):
                 dim, values = sources[min(k, len(sources) - 1)]
@@ -237,28 +254,28 @@ class Plan:
         if self._yaw is None:
             return gaits, None
         dims, values = self._yaw
-        yaw = np.broadcast_to(values[tuple(place[dim] for dim in dims)], number.shape)[:, None]
+        yaw = np.broadcast_to(values[tuple(place[dim] for dim in dims)], (last - first,))[:, None]
         own = np.where(np.isnan(yaw), amplitude, yaw)
         return gaits, GaitBatch.sinusoidal(offset, own, phase, frequency, winding)
 
     def _axis(self, quantity: str, grid: Any, leg: str = "") -> _Source:
         """Make a dimension of a grid, a scalar coordinate of a number."""
-        unit = _LABELS[quantity][0]
+        unit = label_of(quantity)[0]
         name = f"{quantity}_{re.sub(r'[^A-Za-z0-9_]', '_', leg)}" if leg else quantity
         if name in self.coords:
             raise ParameterError(f"two grids would be called {name}: rename a joint.")
         above = 0 if quantity == "angular_frequency" else None
-        size = _size(name, grid)
+        size = size_of(name, grid)
         if size is None:
             value = np.array(finite(name, grid, unit, above=above))
-            _check_whole(quantity, value)
-            self.coords[name] = ((), value, _attributes(quantity, leg))
+            check_whole(quantity, value)
+            self.coords[name] = ((), value, attributes(quantity, leg))
             return _Source(None, value)
         values = vector(name, grid, size, unit)
-        _not_empty(name, values, above)
-        _check_whole(quantity, values)
+        check_filled(name, values, above)
+        check_whole(quantity, values)
         self.sizes[name] = size
-        self.coords[name] = ((name,), values, _attributes(quantity, leg))
+        self.coords[name] = ((name,), values, attributes(quantity, leg))
         return _Source(name, values)
 
     def _entries(self, name: str, grid: Grid) -> dict[str, Any] | None:
@@ -290,9 +307,9 @@ class Plan:
         if shape[1:] not in ((), (legs,)) or not shape or (shape[1:] and name not in _PER_LEG):
             rule = f"(n,) or (n, {legs})" if name in _PER_LEG else "(n,)"
             raise ParameterError(f"{label} has shape {shape}: it must be {rule}.")
-        flat = vector(label, np.ravel(values), math.prod(shape), _LABELS[name][0])
-        _not_empty(label, flat, 0 if name == "angular_frequency" else None)
-        _check_whole(name, flat)
+        flat = vector(label, np.ravel(values), math.prod(shape), label_of(name)[0])
+        check_filled(label, flat, 0 if name == "angular_frequency" else None)
+        check_whole(name, flat)
         return flat.reshape(shape)
 
 
@@ -307,39 +324,3 @@ def _point_arrays(gaits: Sequence[Any]) -> dict[str, Array]:
     names = ("offset", "amplitude", "phase")
     found = {name: np.array([getattr(gait, name) for gait in gaits]) for name in names}
     return found | {"angular_frequency": np.array([gait.angular_frequency[0] for gait in gaits])}
-
-
-def _attributes(quantity: str, leg: str = "") -> dict[str, str]:
-    unit, long_name = _LABELS[quantity]
-    return {"long_name": f"{long_name}, {leg}" if leg else long_name, "units": unit}
-
-
-def run_settings(cycles: int, counted: int | None, steps: int) -> dict[str, int]:
-    """The numbers of cycles and steps of a run, checked."""
-    cycles = whole("cycles", cycles, at_least=2, at_most=100_000)
-    steps = whole("steps_per_cycle", steps, at_least=4, at_most=1000)
-    if counted is None:
-        counted = max(2, cycles - math.ceil(cycles / 2) - 1)
-    most = min(cycles, 200_000 // steps)
-    counted = whole("counted", counted, at_least=2, at_most=most)
-    return {"cycles": cycles, "counted": counted, "steps_per_cycle": steps}
-
-
-def _size(name: str, grid: Any) -> int | None:
-    """Number of values of a grid; None of a number."""
-    try:
-        return np.size(grid) if np.ndim(grid) else None
-    except ValueError:
-        raise ParameterError(f"{name} is {grid!r}: its entries must be numbers.") from None
-
-
-def _check_whole(quantity: str, values: Array) -> None:
-    if quantity == "winding":
-        check_turns(quantity, values)
-
-
-def _not_empty(name: str, values: Array, above: float | None) -> None:
-    if not values.size:
-        raise ParameterError(f"{name} is empty: give at least one value.")
-    if above is not None and not np.all(values > above):
-        raise ParameterError(f"{name} has the value {values.min()}: all must be above {above}.")

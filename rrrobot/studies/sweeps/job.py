@@ -56,6 +56,9 @@ class Job:
                 engine, setting = self._variants.at(first // size)
                 gaits, yaw = self._plan.gaits(first % size, (last - 1) % size + 1)
                 more: dict[str, Any] = {} if yaw is None else {"yaw": yaw}
+                tilt = self._plan.starts(first % size, (last - 1) % size + 1)
+                if tilt is not None:
+                    more["tilt"] = tilt
                 future = executor.submit(partial(engine, setting, gaits, **self._run, **more))
                 running[future] = first
                 while len(running) >= at_once:

@@ -28,9 +28,10 @@ from rrrobot.models.recombined import DecoupledModels
 from rrrobot.progress import Progress, progress_of
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.simulation.evaluate import versions
-from rrrobot.studies.sweeps.grid import Grid, Plan, run_settings
+from rrrobot.studies.sweeps.grid import Grid, Plan
 from rrrobot.studies.sweeps.job import Job
 from rrrobot.studies.sweeps.passing import warn_of_gaits
+from rrrobot.studies.sweeps.quantities import run_settings
 from rrrobot.studies.sweeps.store import Layout, ResultsFile
 from rrrobot.studies.sweeps.variants import Variants, engine_of
 
@@ -57,6 +58,8 @@ def sweep(
     amplitude: Grid | None = None,
     angular_frequency: Grid | None = None,
     winding: Grid | None = None,
+    start_roll: Grid | None = None,
+    start_pitch: Grid | None = None,
     yaw_amplitude: float | xr.DataArray | None = None,
     points: Mapping[str, ArrayLike] | Sequence[Gait] | None = None,
     parameters: Mapping[str, ArrayLike] | None = None,
@@ -89,15 +92,18 @@ def sweep(
         angular_frequency: of all legs [rad/s]; 8 unless given.
         winding: whole turns of the legs in a period; 0 unless given. At amplitude 0 they go round
             at a constant rate.
+        start_roll, start_pitch: tilt of the body at the start, before the impulse [rad]; 0 unless
+            given. What a gait comes to may depend on it where there are several attractors.
         yaw_amplitude: of the legs in the yaw model alone of `DecoupledModels`, the paper's Fig 20
             [rad]: a number, or a DataArray over some of the gaits' dimensions, such as
             `rr.studies.amplitude_modulation` gives; where it is NaN, as the other models'.
         points: gaits instead of a grid: periodic ones of any kind, see `Gait.harmonics`; or a
             mapping from the names above to arrays (n,) or, one column a leg, (n, legs). What it
             does not name may still be a grid.
-        parameters: grids of `RRRobotParameters` by name, for the model of a robot that
-            `Robot.from_parameters` made; the model is made anew for each value.
-        cycles: simulated, from an upright impulsive start; 38 last 30 s at 8 rad/s.
+        parameters: grids of the robot's parameters by name, for each of whose values the model is
+            made anew: those of `RRRobotParameters`, for a robot that `Robot.from_parameters` made;
+            of any other robot those that `robot.varied` takes, such as "LINK.mass".
+        cycles: simulated, from an impulsive start; 38 last 30 s at 8 rad/s.
         counted: cycles at the end over which means are taken; those in the second half unless
             given, as `Trajectory.steady_state` has it: the last 18 of 38.
         steps_per_cycle: of the fixed-step DOP853; 10 give the speed of sinusoidal gaits to 3e-7 on
@@ -160,6 +166,10 @@ def sweep(
     plan.add("amplitude", amplitude, AMPLITUDE)
     plan.add("angular_frequency", angular_frequency, ANGULAR_FREQUENCY)
     plan.add_winding(winding)
+    plan.add_start(model, start_roll=start_roll, start_pitch=start_pitch)
+    if settle == "orbit" and plan.starts(0, 1) is not None:
+        raise ParameterError("a limit cycle does not depend on its start: leave out start_roll and "
+                             "start_pitch, or settle by cycles.")  # fmt: skip
     steps = plan.steps if steps_per_cycle is None else steps_per_cycle
     run = run_settings(cycles, counted, steps) | {"loads": loads}
     if settle == "orbit":

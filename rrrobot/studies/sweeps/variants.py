@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Mapping
-from dataclasses import replace
+from dataclasses import fields, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from rrrobot.models.base import Model
 from rrrobot.models.recombined import DecoupledModels
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.robot import Robot
+from rrrobot.robot.variation import varied
 
 Engine = Callable[..., Array]
 """Computes steady states of (setting, gaits, **run): the columns `RESULT` of `momentum.batch`, then
@@ -69,14 +70,14 @@ class Variants:
         self._grids = {name: np.atleast_1d(np.asarray(grid)) for name, grid in grids.items()}
         self._last: tuple[int, tuple[Engine, Any]] | None = None
         self.base = model.robot.parameters
-        if grids and self.base is None:
-            raise ParameterError(
-                f"parameters= are RRRobot's, and the model's robot is {model.robot!r}: make it "
-                "with Robot.from_parameters."
-            )
+        known = [field.name for field in fields(RRRobotParameters)]
         for name, values in self._grids.items():
+            if self.base is not None and name not in known:
+                raise ParameterError(
+                    f"RRRobotParameters has no {name!r}; it has {', '.join(known)}."
+                )
             for value in values.tolist():
-                self._parameters({name: value})
+                self._robot({name: value})
 
     def at(self, number: int) -> tuple[Engine, Any]:
         """Engine and setting of a combination."""
@@ -87,12 +88,14 @@ class Variants:
                 place = np.unravel_index(number, shape)
                 pairs = zip(self._grids.items(), place, strict=True)
                 values = {name: float(grid[i]) for (name, grid), i in pairs}
-                model = model.remade(Robot.from_parameters(self._parameters(values)))
+                model = model.remade(self._robot(values))
             self._last = number, engine_of(model, self._settle)
         return self._last[1]
 
-    def _parameters(self, values: dict[str, Any]) -> RRRobotParameters:
+    def _robot(self, values: dict[str, Any]) -> Robot:
+        if self.base is None:
+            return varied(self._model.robot, values)
         with warnings.catch_warnings():
             # What counts is whether a gait swings a leg through the ground.
             warnings.simplefilter("ignore", GroundClearanceWarning)
-            return replace(self.base or RRRobotParameters(), **values)
+            return Robot.from_parameters(replace(self.base, **values))
