@@ -11,10 +11,10 @@ demo: .venv/.base  ## simulate both gaits of the paper for 30 s; numbers, plot a
 	$(BIN)/python examples/first_roll.py
 
 test: .venv/.dev lint  ## format, lint, types, and every test but the slow ones
-	$(BIN)/python -m pytest -n 2
+	$(BIN)/python -m pytest -n 2 --dist loadfile
 
 test-all: .venv/.dev lint  ## also the slow studies
-	$(BIN)/python -m pytest -n 2 -m ''
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m ''
 
 lint: .venv/.dev
 	$(BIN)/ruff format --check .

@@ -12,6 +12,7 @@ def true():
     return common.true_motion(PAPER_GAITS.gaits())
 
 
+@pytest.mark.slow
 def test_true_answer_is_that_of_the_reference():
     motion = true()
     np.testing.assert_allclose(motion.speed, (0.009656, 0.0066765), rtol=1e-4)
@@ -51,7 +52,7 @@ def test_record_names_the_machine_and_no_path(tmp_path):
     assert "load_average_before" in text and str(common.ROOT) not in text
 
 
-@pytest.mark.parametrize("form", ["constraint", "kinematics"])
+@pytest.mark.parametrize("form", [pytest.param("constraint", marks=pytest.mark.slow), "kinematics"])
 def test_kane_equations_are_those_by_hand(form):
     pytest.importorskip("sympy")
     from benchmarks.kane_peer import equations
@@ -74,6 +75,7 @@ def test_kane_equations_are_those_by_hand(form):
     np.testing.assert_allclose(found[:3], hand.theta_ddot, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_kane_loop_takes_the_means():
     pytest.importorskip("sympy")
     from benchmarks.kane_peer import simulator, starts

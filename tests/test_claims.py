@@ -115,6 +115,7 @@ def test_curved_path(shop):
     assert found.result.rows[-1].ours == pytest.approx(CIRCULAR / TURN, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_phase_difference(shop):
     found = Found(shop, "claim-phase-difference")
     assert found.differing() == [
@@ -137,6 +138,7 @@ def test_leg_axis(shop):
     assert found["opposite level"] == pytest.approx(5.4646, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_start(shop):
     found = Found(shop, "claim-start")
     assert found.differing() == []
@@ -168,6 +170,7 @@ def test_second_order(shop):
     assert powers == pytest.approx([1, 1, 2, 2], abs=0.03)
 
 
+@pytest.mark.slow
 def test_legs_in_phase(shop):
     found = Found(shop, "claim-legs-in-phase")
     assert found.differing() == [
@@ -178,6 +181,7 @@ def test_legs_in_phase(shop):
     assert found["offset 0 deg"] == pytest.approx(2.137, abs=0.01)
 
 
+@pytest.mark.slow
 def test_pitch_linear(shop):
     found = Found(shop, "claim-pitch-linear")
     assert found.differing() == ["offset 0 deg, 0.3 rad: amplitude over the linear response"]
@@ -232,6 +236,7 @@ def test_roll(shop):
     assert found["circular gait, roll over yaw"] == pytest.approx(1.1647, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_decoupled(shop):
     found = Found(shop, "claim-decoupled")
     assert found.differing() == [
@@ -312,6 +317,7 @@ def test_yaw_drift_cause(shop, circular):
     assert moment.mean() / (0.01 * TURN) == pytest.approx(found["sideways"], rel=0.02)
 
 
+@pytest.mark.slow
 def test_pivoting_turns(shop):
     found = Found(shop, "claim-pivoting-turns")
     assert len(found.differing()) == 1

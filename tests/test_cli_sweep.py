@@ -169,6 +169,7 @@ def test_robot_of_a_urdf() -> None:
     assert data(*args, *SHORT)["fastest"] == ours
 
 
+@pytest.mark.slow
 def test_loads_are_shown_stored_and_drawn(tmp_path: Path) -> None:
     out, folder = tmp_path / "sweep.nc", tmp_path / "maps"
     args = ("--offset", "1,1.5", "--phase-difference", "1,2", *SHORT, "--loads")
@@ -267,6 +268,7 @@ def test_paper_preset_resumes_and_draws(tmp_path: Path) -> None:
     assert float(xr.load_dataset(out).amplitude) == 0.2
 
 
+@pytest.mark.slow
 def test_paper_preset_over_other_grids(tmp_path: Path) -> None:
     """Figures of the paper are of its plane; of another, those that any plane has."""
     args = ("--paper", "--figures", str(tmp_path), *SHORT)
@@ -287,6 +289,7 @@ def test_paper_plane() -> None:
     assert (best["amplitude"], best["angular_frequency"]) == (0.3, 8.0)
 
 
+@pytest.mark.slow
 def test_maps_of_any_two_grids(tmp_path: Path) -> None:
     args = ("--offset", "pi/3", "--amplitude", "0.1:0.4:3", "--frequency", "7:9:3", *SHORT)
     files = data(*args, "--figures", str(tmp_path))["files"]

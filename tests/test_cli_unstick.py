@@ -50,6 +50,7 @@ def test_the_whole_story_and_how_it_goes_on(tmp_path: Path) -> None:
     assert other.exit_code == 1 and "another robot, ground or limits" in other.stderr
 
 
+@pytest.mark.slow
 def test_what_is_out_of_reach_is_told() -> None:
     result = run(*QUICK, "--friction", "0.001")
     assert result.exit_code == 1

@@ -23,6 +23,7 @@ def circular(robot):
     return rr.studies.compare(robot, rr.gait("circular"))
 
 
+@pytest.mark.slow
 def test_table_4_of_the_papers_gaits(robot, circular):
     lateral = rr.studies.compare(robot, rr.gait("lateral"))
     assert lateral.ratio("pivoting", "speed") == pytest.approx(1.01, abs=0.005)
@@ -134,6 +135,7 @@ def test_every_models_motion_is_filmed_and_saved(circular, tmp_path):
         assert again.model_name == motion.model_name
 
 
+@pytest.mark.slow
 def test_command_line(tmp_path):
     run = CliRunner().invoke
     result = run(cli, ["compare", "--duration", "8", "--json", "--out", str(tmp_path / "figs")])

@@ -149,7 +149,7 @@ def test_a_disturbance_is_its_seed(wheel):
 
 
 @pytest.mark.parametrize("hidden", [False, True])
-@pytest.mark.parametrize("cut", [0.5, 0.505])
+@pytest.mark.parametrize("cut", [pytest.param(0.5, marks=pytest.mark.slow), 0.505])
 def test_a_run_with_memory_is_continued(wheel, hidden, cut):
     def law():
         if hidden:

@@ -113,6 +113,7 @@ def in_process(**environment):
     return number, int(hits), done.stderr
 
 
+@pytest.mark.slow
 def test_a_damaged_cache_heals_and_a_whole_one_is_used(tmp_path):
     place = {"NUMBA_CACHE_DIR": str(tmp_path)}
     first = in_process(**place)

@@ -332,7 +332,10 @@ def test_simulated_path_starts_by_an_impulse_and_does_not_slip() -> None:
 
 @pytest.mark.parametrize(
     ("offset", "speed", "yaw_rate"),
-    [(np.pi / 2, 0.009655983, 0.0), (np.pi / 4, 0.006676496, 0.020854659)],
+    [
+        pytest.param(np.pi / 2, 0.009655983, 0.0, marks=pytest.mark.slow),
+        (np.pi / 4, 0.006676496, 0.020854659),
+    ],
     ids=["lateral", "circular"],
 )
 def test_steady_state_of_the_two_gaits(offset: float, speed: float, yaw_rate: float) -> None:

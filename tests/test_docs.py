@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 import rrrobot
+from tests.some import some
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -18,6 +19,19 @@ MODULES = sorted(
     for module in pkgutil.walk_packages(rrrobot.__path__, "rrrobot.")
     if not module.name.endswith("__main__")
 )
+
+# Their examples take seconds.
+LONG = {
+    f"rrrobot.{name}"
+    for name in (
+        "orbits.travel", "orbits.branches", "steering.reaching", "studies.comparison",
+        "figures.maps", "figures.reduction", "studies.optimisation.pareto",
+        "studies.optimisation.result", "studies.optimisation.run", "machines.shells",
+        "drive.controllers", "paper.run", "paper.unicycle", "orbits.oscillations",
+    )
+}  # fmt: skip
+
+assert set(MODULES) > LONG
 
 
 def blocks(page, language):
@@ -61,7 +75,7 @@ def test_the_examples_page_has_every_example_with_its_question():
     assert {name: question for question, name in rows} == examples
 
 
-@pytest.mark.parametrize("name", MODULES)
+@pytest.mark.parametrize("name", some(MODULES, set(MODULES) - LONG))
 def test_docstring_examples(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     result = doctest.testmod(importlib.import_module(name))

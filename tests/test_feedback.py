@@ -157,6 +157,7 @@ def measured(model, gait, duration, seed=None):
     return MeasuredRun(time=t.time, pose=pose, leg_angle=t.leg_angle)
 
 
+@pytest.mark.slow
 def test_a_run_tells_the_robot(tilted, tmp_path):
     gait = Schedule(
         [

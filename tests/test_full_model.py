@@ -227,6 +227,7 @@ def test_ball_on_an_incline_has_the_textbook_acceleration():
     np.testing.assert_allclose(t.required_friction, np.tan(beta) * 2 / 7, rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_yaw_damping_sets_the_turning(robot):
     """Table 4's tenfold: with a tenth of the yaw damping the full model turns like the pivoting."""
 

@@ -73,6 +73,7 @@ def test_harmonics_are_the_gait(name: str) -> None:
                                             abs=1e-9)  # fmt: skip
 
 
+@pytest.mark.slow
 def test_a_sweep_of_every_kind_gives_the_steady_states_of_simulations() -> None:
     ds = rr.sweep(FULL, points=list(KINDS.values()), cycles=CYCLES, progress=False, threads=1)
     # The gait with the most harmonics says how many steps all have.

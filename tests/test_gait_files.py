@@ -80,6 +80,7 @@ def test_bad_samples_are_refused(time, angle, message):
         rr.SampledGait(time, angle)
 
 
+@pytest.mark.slow
 def test_samples_simulate_as_the_gait_they_are_of():
     model = rr.FullModel(rr.Robot.from_parameters())
     true = rr.simulate(model, CIRCULAR, 2.0)

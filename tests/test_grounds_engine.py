@@ -128,6 +128,7 @@ def test_a_boulder_that_grows_becomes_a_plane():
     assert off[0] / off[1] == pytest.approx(100, rel=0.01)
 
 
+@pytest.mark.slow
 def test_series_of_a_support_function_is_exact():
     placement = (np.array((0.01, 0.02, -0.03)), Rotation.from_rotvec((0.3, -0.4, 1.0)).as_matrix())
     terrain = terrain_of(EGG, placement, LEVEL)

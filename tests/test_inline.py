@@ -19,6 +19,7 @@ from rrrobot.drawing import new_axes, new_figure
 from rrrobot.inline import html_frame, html_table
 from rrrobot.studies.optimisation.goals import FastestTravel
 from tests.browser import Browser, find_browser
+from tests.some import some
 
 VOID = {"img", "br", "meta", "link", "input", "hr"}
 
@@ -134,14 +135,21 @@ def test_figures_still_pickle(run):
     assert figure._repr_png_().startswith(b"\x89PNG")
 
 
-@pytest.mark.parametrize("before", ["pass", "import matplotlib; matplotlib.use('agg'); "
-                                    "import matplotlib.pyplot"])  # fmt: skip
+@pytest.mark.parametrize(
+    "before",
+    some(
+        ("pass", "import matplotlib; matplotlib.use('agg'); import matplotlib.pyplot"),
+        {"imported"},
+        lambda code: "nothing" if code == "pass" else "imported",
+    ),
+)
 def test_ipython_displays_figures_and_films(before):
     pytest.importorskip("IPython")
     code = f"""
 {before}
 from IPython.core.interactiveshell import InteractiveShell
 import rrrobot as rr
+from tests.some import some
 shell = InteractiveShell.instance()
 t = rr.simulate(rr.FullModel(rr.Robot.from_parameters()), rr.gait("lateral"), 1.0)
 for thing in (t.plot("path"), t.plot("all"), t, rr.show(t)):

@@ -210,6 +210,7 @@ def test_playing_moves_the_robot_in_real_time(page, lab):
     player.speed = 1.0
 
 
+@pytest.mark.slow
 def test_two_pages_do_not_disturb_each_other_and_one_may_come_back(page, lab):
     first = latest(lab)
     before = first.knobs, shown(page, "speed")
@@ -236,6 +237,7 @@ def test_knobs_can_be_set_by_a_script_too(lab, page):
     assert session.outcome.trajectory.gravity == 1.62
 
 
+@pytest.mark.slow
 def test_a_link_opens_the_same_state_and_code_is_shown(lab, page):
     knobs = replace(latest(lab).knobs, frequency=6.5, gravity=9.81, horizon=40.0)
     before = set(lab.sessions)

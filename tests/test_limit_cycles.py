@@ -62,7 +62,7 @@ def travelled_the_same(c, long, samples_per_cycle, rel=1e-9):
 
 @pytest.mark.parametrize(
     ("name", "model"),
-    some(itertools.product(("lateral", "circular"), MODELS), ("circular-full", "circular-pivoting"),
+    some(itertools.product(("lateral", "circular"), MODELS), ("circular-full",),
          lambda case: f"{case[0]}-{case[1].name}"),
 )  # fmt: skip
 def test_what_two_hundred_cycles_come_to(name, model):
@@ -170,6 +170,7 @@ def test_trajectory_screw_and_centre():
     assert t.normal_force.min() == pytest.approx(c.normal_force, abs=1e-3)
 
 
+@pytest.mark.slow
 def test_decoupled_is_the_three_models_together():
     models, gait = rr.models.DecoupledModels(ROBOT), rr.gait("circular")
     c = limit_cycle(models, gait)

@@ -80,8 +80,14 @@ def test_an_impulsive_start_is_the_connection():
         np.testing.assert_allclose(t.body_velocity[0], -A @ first.rate, atol=1e-14)
 
 
-@pytest.mark.parametrize(("name", "gait"), [("kinematic_snake", "circle"), ("satellite", "circle"),
-                                            ("legged_satellite", "circular")])  # fmt: skip
+@pytest.mark.parametrize(
+    ("name", "gait"),
+    [
+        pytest.param("kinematic_snake", "circle", marks=pytest.mark.slow),
+        ("satellite", "circle"),
+        ("legged_satellite", "circular"),
+    ],
+)
 def test_line_area_and_dynamics_agree(name, gait):
     machine = getattr(rr.machines, name)()
     drive = machine.gaits[gait]

@@ -22,6 +22,7 @@ def trajectory():
     return rr.simulate(rr.FullModel(rr.Robot.from_parameters()), rr.gait("circular"), 1.0)
 
 
+@pytest.mark.slow
 @needs_browser
 def test_a_video_shows_at_each_time_what_the_page_shows(trajectory, tmp_path):
     ffmpeg = pytest.importorskip("imageio_ffmpeg")

@@ -128,6 +128,7 @@ def test_simulations_agree_in_both_methods_and_by_hand():
     assert runs[0].slip.max() < 1e-12
 
 
+@pytest.mark.slow
 def test_sweeps_give_the_motors_the_work_of_what_follows():
     follows, free = models()
     grids = {"amplitude": (0.4, 0.3), "offset": (0.2, -0.1), "phase": (0.0, 1.0)}

@@ -144,6 +144,7 @@ def test_steady_states_are_those_of_the_trajectories(model):
         assert found["status"] == 0
 
 
+@pytest.mark.slow
 def test_decoupled_lanes_are_the_decoupled_trajectory():
     robot = rr.Robot.from_parameters()
     for amplitude in (None, 0.35):
@@ -254,7 +255,11 @@ def engine_loads(model, gait, cycles, steps):
 
 
 @pytest.mark.parametrize("model", MODELS, ids=lambda m: m.name)
-@pytest.mark.parametrize("parameters", [rr.RRRobotParameters(), ODD], ids=["Table 2", "odd"])
+@pytest.mark.parametrize(
+    "parameters",
+    [rr.RRRobotParameters(), pytest.param(ODD, marks=pytest.mark.slow)],
+    ids=["Table 2", "odd"],
+)
 def test_loads_are_those_of_the_kkt_trajectory(model, parameters):
     kind = model(rr.Robot.from_parameters(parameters))
     gait = rr.SinusoidalGait(
@@ -270,7 +275,7 @@ def test_loads_are_those_of_the_kkt_trajectory(model, parameters):
 
 
 @pytest.mark.parametrize("damping", [rr.BodyRateDamping(0.3, 0.3, 0.3, legs=0.02), 0.3])
-@pytest.mark.parametrize("seed", [3, 5])
+@pytest.mark.parametrize("seed", [3, pytest.param(5, marks=pytest.mark.slow)])
 def test_loads_of_random_trees(seed, damping):
     """Revolute, prismatic and continuous joints, damped joints, the shell off the origin."""
     robot = random_robot(seed, 6)

@@ -148,6 +148,7 @@ def test_a_gait_that_tips_over_has_a_status_and_spares_the_others(model: rr.Full
 # Optima.
 
 
+@pytest.mark.slow
 def test_the_fastest_lateral_gait_is_that_of_a_brute_force_grid(model: rr.FullModel) -> None:
     kept = {"amplitude": 0.3, "angular_frequency": 8.0, "tied": True}
     best = optimise(model, "fastest", budget=1200, settle_time=25.0, **kept)

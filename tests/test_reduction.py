@@ -238,6 +238,7 @@ def test_controllability(connection):
     assert (found.rank, found.dimension, found.controllable) == (1, 2, False)
 
 
+@pytest.mark.slow
 def test_best_cycle_follows_the_zero_set(connection):
     best = optimal_cycle(connection, angle_range=(-0.2, 2.9))
     assert 0.98 < best.net_yaw / best.region_yaw < 1.001

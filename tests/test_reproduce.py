@@ -52,11 +52,13 @@ def rows(made: Reproduction) -> dict[tuple[str, str], dict]:
     return {(s.key, row["quantity"]): row for s in made.sections for row in s.rows}
 
 
+@pytest.mark.slow
 def test_every_table_and_figure_of_the_paper_is_there() -> None:
     assert [item.key for item in ITEMS][: len(PAPER_ITEMS)] == PAPER_ITEMS
     assert len({item.key for item in ITEMS}) == len(ITEMS)
 
 
+@pytest.mark.slow
 def test_every_figure_has_a_picture_and_numbers(made: Reproduction) -> None:
     for section in made.sections:
         assert section.rows, section.key
@@ -80,6 +82,7 @@ def test_the_reports_hold_every_number(made: Reproduction) -> None:
     assert all("nan" not in re.sub("<style>.*</style>", "", t, flags=re.S).lower() for t in texts)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("key", "quantity", "expected", "rel"),
     [
@@ -104,6 +107,8 @@ def test_numbers(rows: dict, key: str, quantity: str, expected: float, rel: floa
     assert rows[key, quantity]["ours"] == pytest.approx(expected, rel=rel)
 
 
+@pytest.mark.slow
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("key", "quantity", "verdict"),
     [
@@ -174,6 +179,7 @@ def test_unknown_keys_are_refused(tmp_path: Path, only: list[str]) -> None:
         reproduce(tmp_path, only=only)
 
 
+@pytest.mark.slow
 def test_verdicts_follow_the_numbers() -> None:
     assert number("x", 1.0, 1.004, within=0.005).verdict == AGREES
     assert number("x", 1.0, 1.006, within=0.005).verdict == DIFFERS
@@ -260,6 +266,7 @@ def test_the_outline_touches_the_ground_at_the_contact() -> None:
         schematic(robot, "left")
 
 
+@pytest.mark.slow
 def test_a_unicycle_follows_itself() -> None:
     """The path of a known unicycle, without oscillation: no error and no side slip."""
     robot = rr.Robot.from_parameters()

@@ -38,6 +38,7 @@ def test_every_model_moves_alike(model, method):
     np.testing.assert_allclose(np.diff(there.energy), np.diff(here.energy), atol=1e-12)
 
 
+@pytest.mark.slow
 def test_models_recombined_and_periods():
     undamped = rr.Robot.from_urdf(ROBOT.urdf, shell=rr.Sphere(0.12))
     here, there = (rr.decoupled(robot, GAIT, 1.0, 0.1) for robot in (undamped, shifted()))

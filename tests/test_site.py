@@ -18,6 +18,8 @@ import rrrobot
 from rrrobot.cli.main import cli
 from tests.browser import Browser, find_browser
 
+pytestmark = pytest.mark.slow
+
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
 PAGES = sorted(p for p in DOCS.rglob("*.md") if not p.relative_to(DOCS).parts[0].startswith("_"))

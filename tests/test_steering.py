@@ -53,6 +53,7 @@ def test_moving_along_a_screw(twist):
     np.testing.assert_allclose(move(pose, np.array(twist), np.array(4.0)), wanted, atol=1e-14)
 
 
+@pytest.mark.slow
 def test_motions_are_those_of_simulations(model, motions):
     rng = np.random.default_rng(0)
     for row in rng.choice(len(motions.offset), 2, replace=False):
@@ -185,6 +186,7 @@ def test_plans_on_the_decoupled_models(model):
         assert drive.twist[2] / drive.speed == pytest.approx(3.0, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_start_elsewhere_is_the_same_plan_moved(model):
     here = rr.plan(model, (0.2, 0.1, 0.5))
     turn, place = 0.8, np.array((1.0, -2.0))

@@ -24,6 +24,7 @@ from rrrobot.simulation.heights import clearance
 from rrrobot.studies.sweeps import variants as sweep_models
 from rrrobot.studies.sweeps.run import sweep
 from tests.random_robot import random_robot
+from tests.some import some
 
 sweep_module = import_module("rrrobot.studies.sweeps.run")
 """`rr.sweep` is the function."""
@@ -210,6 +211,7 @@ def test_loads_on_request(small: xr.Dataset) -> None:
     assert all(both[name].isnull() for name in LOADS) and float(both.speed) > 0
 
 
+@pytest.mark.slow
 def test_loads_of_a_settled_gait_are_the_trajectorys() -> None:
     gait = rr.gait("circular")
     ds = sweep(FULL, offset=np.pi / 4, steps_per_cycle=20, loads=True)
@@ -394,12 +396,14 @@ def test_chunks_and_threads_do_not_matter(small: xr.Dataset, chunk: int, threads
     assert bits(sweep(FULL, **PLANE, **SHORT, chunk=chunk, threads=threads)) == bits(small)
 
 
+@pytest.mark.slow
 def test_processes_do_not_matter(small: xr.Dataset) -> None:
     spawn = multiprocessing.get_context("spawn")
     with ProcessPoolExecutor(2, mp_context=spawn) as pool:
         assert bits(sweep(FULL, **PLANE, **SHORT, executor=pool, chunk=9)) == bits(small)
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_dask_cluster_of_two_processes(small: xr.Dataset) -> None:
     distributed = pytest.importorskip("distributed")
@@ -467,7 +471,14 @@ def test_few_chunks_are_in_flight() -> None:
 # Legs and the ground
 
 
-@pytest.mark.parametrize("kind", [rr.FullModel, rr.PivotingModel, rr.RollModel, rr.YawModel])
+@pytest.mark.parametrize(
+    "kind",
+    some(
+        (rr.FullModel, rr.PivotingModel, rr.RollModel, rr.YawModel),
+        {"full"},
+        lambda kind: kind.name,
+    ),
+)
 def test_clearance_is_that_of_a_trajectory(kind) -> None:
     """The engine's, between its steps, against Pinocchio's kinematics at 400 samples a cycle."""
     parameters = rr.RRRobotParameters(leg_length=(0.1, 0.115), shell_radius=0.121)
@@ -480,6 +491,7 @@ def test_clearance_is_that_of_a_trajectory(kind) -> None:
     assert float(ds.clearance[0]) == pytest.approx(clearance(t, slice(-401, None)), abs=2e-6)
 
 
+@pytest.mark.slow
 def test_clearance_of_the_decoupled_models_is_that_of_their_path() -> None:
     robot, gait = rr.Robot.from_parameters(), rr.gait("circular", amplitude=0.4)
     ds = sweep(DecoupledModels(robot), points=[gait], cycles=20, steps_per_cycle=20)

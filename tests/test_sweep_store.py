@@ -208,6 +208,7 @@ def test_killed_sweep_goes_on_with_the_same_bits(store: Path, tmp_path: Path) ->
     assert store.read_bytes() == other.read_bytes()
 
 
+@pytest.mark.slow
 def test_ctrl_c_of_a_process(store: Path) -> None:
     with running(store) as process:
         process.send_signal(signal.SIGINT)

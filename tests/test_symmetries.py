@@ -91,6 +91,7 @@ def test_larger_robots_move_alike_and_slower(kind, method):
     assert_scaled(large, run(kind, method=method), ratio)
 
 
+@pytest.mark.slow
 def test_larger_decoupled_models_move_alike_and_slower():
     ratio = 0.4
     gait, parameters = scaled(ratio)
@@ -129,7 +130,7 @@ def mirrored_front_back():
 
 
 @pytest.mark.parametrize("mirror", [mirrored_left_right, mirrored_front_back])
-@pytest.mark.parametrize("model", [*MODELS, "decoupled"])
+@pytest.mark.parametrize("model", [*MODELS, pytest.param("decoupled", marks=pytest.mark.slow)])
 @every_method
 def test_a_mirrored_gait_gives_the_mirrored_path(model, method, mirror):
     gait, angles, path, legs = mirror()

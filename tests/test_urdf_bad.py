@@ -207,6 +207,7 @@ def test_fixed_joints_may_have_no_direction():
     assert rr.Robot.from_urdf(text, shell=SHELL).legs == ()
 
 
+@pytest.mark.slow
 def test_largest_robots_within_the_limits_are_read():
     assert rr.Robot.from_urdf(chain(250, "fixed"), shell=SHELL).n_legs == 0
     assert rr.Robot.from_urdf(chain(101), shell=SHELL).n_legs == 100
@@ -288,6 +289,7 @@ def test_endless_file_is_read_to_the_limit_only(monkeypatch):
 # What stops the process in Pinocchio's own parser, in a process of its own.
 
 
+@pytest.mark.slow
 def test_chain_that_overflows_the_stack_of_the_parser():
     """Without the limit, 30,000 links in a chain end the process with a segmentation fault."""
     script = (

@@ -95,6 +95,7 @@ def test_film_is_seen_to_move(browser, film):
     assert browser.problems == []
 
 
+@pytest.mark.slow
 @needs_browser
 def test_film_plays_by_itself_and_over_again(browser, film):
     browser.open(film.as_uri())
@@ -137,6 +138,7 @@ def test_browser_places_the_robot_where_pinocchio_does(browser, film, trajectory
             np.testing.assert_allclose(turn, data.oMi[joint].rotation, atol=1e-5)
 
 
+@pytest.mark.slow
 @needs_browser
 def test_trace_grows_or_is_whole_or_absent(browser, trajectory, tmp_path):
     count = f"{node('world', 'ground', 'trace', '<object>')}.geometry.drawRange.count"

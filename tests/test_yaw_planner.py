@@ -24,6 +24,7 @@ def arrival(model, plan, **options):
     return np.append(t.euler[-1, 2], t.leg_angle[-1]) - plan.goal
 
 
+@pytest.mark.slow
 def test_200_random_pairs(model):
     rng = np.random.default_rng(0)
     worst = 0.0
