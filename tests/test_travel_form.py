@@ -80,5 +80,11 @@ def test_best_small_gait_is_best(forms):
 def test_other_gaits_are_refused(forms):
     with pytest.raises(rr.GaitError, match="make another with travel_form"):
         forms[np.pi / 2].predict(gait_of(1.0, 0.1))
-    with pytest.raises(rr.GaitError, match="one harmonic"):
+    with pytest.raises(rr.GaitError, match="has no period"):
         forms[np.pi / 2].predict(rr.StillLegs((1.0, 1.0)))
+    two = rr.FourierGait(
+        offset=np.full(2, np.pi / 2), sine=[[0.1, 0.1], [0.02, 0.0]], cosine=np.zeros((2, 2)),
+        angular_frequency=8.0,
+    )  # fmt: skip
+    with pytest.raises(rr.GaitError, match="one harmonic"):
+        forms[np.pi / 2].predict(two)
