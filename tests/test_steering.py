@@ -146,6 +146,8 @@ def test_a_plan_keeps_limits(model):
     asked = rr.plan(model, goal).demands()
     t = rr.plan(model, goal).execute(sample_interval=np.pi / 120)
     assert asked.torque == pytest.approx(np.abs(t.leg_torque).max(), rel=0.02)
+    power = np.abs(t.leg_torque * t.leg_rate).sum(axis=1)
+    assert asked.work == pytest.approx(np.trapezoid(power, t.time), rel=1e-6)
     along = t.contact_force[:, 2]
     friction = np.linalg.norm(t.contact_force[:, :2], axis=1) / along
     assert asked.friction == pytest.approx(friction.max(), rel=0.02)
@@ -184,6 +186,16 @@ def test_plans_on_the_decoupled_models(model):
         drive = gear.drive(0.7 * gear.fastest(3.0), 3.0)
         assert drive.speed == pytest.approx(0.7 * gear.fastest(3.0), rel=1e-9)
         assert drive.twist[2] / drive.speed == pytest.approx(3.0, rel=1e-9)
+
+
+@pytest.mark.slow
+def test_plans_of_little_effort(model):
+    goal = (0.12, 0.1, 1.0)
+    quick, thrifty = (rr.plan(model, goal, minimise=how) for how in ("time", "effort"))
+    assert thrifty.demands().work < 0.95 * quick.demands().work
+    assert np.hypot(*thrifty.error[:2]) < PLACE
+    with pytest.raises(rr.ParameterError, match="minimise is 'speed'"):
+        rr.plan(model, goal, minimise="speed")
 
 
 @pytest.mark.slow

@@ -76,6 +76,10 @@ class PlanOutput(Group):
 @click.option("--max-torque", type=NUMBER, help="That each motor can give [N m].")
 @click.option("--max-leg-rate", type=NUMBER, help="That each motor can turn at [rad/s].")
 @click.option("--max-power", type=NUMBER, help="Of all motors together [W].")
+@click.option(
+    "--minimise", type=click.Choice(("time", "effort")), default="time", show_default=True,
+    help="Which plans come first: the quick ones, or those of little motor work.",
+)  # fmt: skip
 @click.option("--friction", type=NUMBER, help="Coefficient that the ground offers.")
 @click.option(
     "--longest",
@@ -99,6 +103,7 @@ def plan_command(
     max_torque: float | None,
     max_leg_rate: float | None,
     max_power: float | None,
+    minimise: str,
     friction: float | None,
     longest: float,
     obstacles: ObstacleOptions,
@@ -133,7 +138,7 @@ def plan_command(
     found = make_plan(
         model, goal, start=start, waypoints=waypoint, obstacles=obstacles.build(),
         margin=obstacles.margin, amplitude=legs.amplitude, angular_frequency=legs.frequency,
-        longest=longest, limits=limits, max_power=max_power,
+        longest=longest, limits=limits, max_power=max_power, minimise=minimise,
         progress=False if output.quiet else None,
     )  # fmt: skip
     asked = found.demands()
@@ -191,8 +196,9 @@ def table(plan: Plan, asked: Demands) -> str:
         begin += s.duration
     rows.append((
         "asks for",
-        f"{asked.torque:.3g} N m, {asked.leg_rate:.3g} rad/s, {asked.power:.3g} W, friction "
-        f"{asked.friction:.3g}; normal force at least {asked.normal_force:.3g} of the weight, "
+        f"{asked.torque:.3g} N m, {asked.leg_rate:.3g} rad/s, {asked.power:.3g} W, "
+        f"{asked.work:.3g} J, friction {asked.friction:.3g}; "
+        f"normal force at least {asked.normal_force:.3g} of the weight, "
         f"legs {100 * asked.clearance:.3g} cm above the ground",
     ))  # fmt: skip
     rows.insert(-1, (f"  {begin:7.2f} s", f"to rest at {_few(plan.gait.rest)} rad"))

@@ -22,6 +22,8 @@ class Demands(NamedTuple):
     """[rad/s]"""
     power: float
     """of all motors, the sum of |torque x rate| [W]"""
+    work: float
+    """of all motors, the integral of the sum of |torque x rate| [J]"""
     friction: float
     """coefficient that the contact needs"""
     normal_force: float
@@ -73,10 +75,12 @@ def demands_of(trajectory: Trajectory) -> Demands:
     weight = t.robot.mass * t.robot.gravity
     with np.errstate(divide="ignore", invalid="ignore"):
         needed = np.where(push > 0, aside / push, np.inf)
+    power = np.abs(t.leg_torque * t.leg_rate).sum(axis=1)
     return Demands(
         torque=float(np.abs(t.leg_torque).max()),
         leg_rate=float(np.abs(t.leg_rate).max()),
-        power=float(np.abs(t.leg_torque * t.leg_rate).sum(axis=1).max()),
+        power=float(power.max()),
+        work=float(np.trapezoid(power, t.time)),
         friction=float(needed.max()),
         normal_force=float(push.min() / weight),
         clearance=float(_heights(t).min()),

@@ -28,19 +28,7 @@ def within(
         limits: those of torque, leg rate, friction, normal force and clearance.
         max_power: of all motors [W].
     """
-    from rrrobot.momentum.batch import LOADS, RESULT, lower, steady_states
-
-    n, zero = motions.offset.size, np.zeros(motions.offset.size)
-    gaits = GaitBatch.sinusoidal(
-        np.column_stack((motions.offset,) * 2),
-        np.column_stack((motions.amplitude,) * 2),
-        np.column_stack((zero, motions.phase_difference)),
-        np.full(n, motions.angular_frequency),
-    )
-    found = steady_states(
-        lower(model), gaits, cycles=_CYCLES, counted=_COUNTED, steps_per_cycle=10, loads=True
-    )
-    known: dict[str, Array] = dict(zip((*RESULT, *LOADS), found.T, strict=True))
+    known = settled(model, motions)
     limits = GaitLimits() if limits is None else limits
     weight = model.robot.mass * model.robot.gravity
     above = known["normal_force"] / weight > limits.min_normal_force
@@ -58,3 +46,25 @@ def within(
         if np.count_nonzero(keep) < 2 or np.abs(motions.twist[keep]).max() < 1e-6:
             return
         yield motions.take(keep)
+
+
+def settled(model: Model, motions: Motions) -> dict[str, Array]:
+    """Results and loads of settled gaits by name, each (n,); see `rrrobot.results`.
+
+    Args:
+        model: that the momentum engine knows.
+        motions: of it.
+    """
+    from rrrobot.momentum.batch import LOADS, RESULT, lower, steady_states
+
+    n, zero = motions.offset.size, np.zeros(motions.offset.size)
+    gaits = GaitBatch.sinusoidal(
+        np.column_stack((motions.offset,) * 2),
+        np.column_stack((motions.amplitude,) * 2),
+        np.column_stack((zero, motions.phase_difference)),
+        np.full(n, motions.angular_frequency),
+    )
+    found = steady_states(
+        lower(model), gaits, cycles=_CYCLES, counted=_COUNTED, steps_per_cycle=10, loads=True
+    )
+    return dict(zip((*RESULT, *LOADS), found.T, strict=True))

@@ -172,7 +172,7 @@ def _level(model: Model) -> Model:
     return FullModel(model.robot, ground=flat, damping=model.damping)
 
 
-def corners(motions: Motions, *, most: int = 12) -> Motions:
+def corners(motions: Motions, *, most: int = 12, cost: Array | None = None) -> Motions:
     """Corners of the hull of all twists: few that reach nearly as far as all, in every direction.
 
     Each is chosen where those before it fall short the most.
@@ -180,10 +180,12 @@ def corners(motions: Motions, *, most: int = 12) -> Motions:
     Args:
         motions: settled motions.
         most: how many at most.
+        cost: of a second of each (n,), such as its power; that of reaching far is then the least.
     """
     if most < 2:
         raise ParameterError(f"most is {most}: at least 2 motions are needed.")
-    scaled = motions.twist / np.maximum(np.abs(motions.twist).max(axis=0), 1e-300)
+    scaled = motions.twist if cost is None else motions.twist / cost[:, None]
+    scaled = scaled / np.maximum(np.abs(scaled).max(axis=0), 1e-300)
     directions = np.random.default_rng(0).normal(size=(500, 3))
     reach = scaled @ directions.T
     furthest, far = reach.argmax(axis=0), reach.max(axis=0)

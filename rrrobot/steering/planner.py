@@ -9,7 +9,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -19,7 +19,7 @@ from rrrobot.errors import ModelError, ParameterError, PlanError
 from rrrobot.models.base import Model
 from rrrobot.models.recombined import DecoupledModels
 from rrrobot.progress import Progress
-from rrrobot.steering.limited import within
+from rrrobot.steering.limited import settled, within
 from rrrobot.steering.motions import Motions, check_legs, corners, motions_of
 from rrrobot.steering.obstacles import Obstacle, free_distance
 from rrrobot.steering.plans import Plan
@@ -44,6 +44,7 @@ def plan(
     longest: float = 600.0,
     limits: GaitLimits | None = None,
     max_power: float | None = None,
+    minimise: str = "time",
     on: str = "full",
     motions: Motions | None = None,
     store: bool = True,
@@ -68,6 +69,8 @@ def plan(
             see `Plan.demands`. None are checked unless given. The gaits are
             chosen from those that keep them when settled.
         max_power: of all motors together, at any instant of the run [W]; any unless given.
+        minimise: "time", or "effort": the work of the motors, by the settled gaits' power; neither
+            is proven the least.
         on: "full": the plan is exact on `model`; "decoupled": on the single-axis models, recombined
             and modulated, as the paper proposes. What that costs shows when it is executed. Of
             obstacles only the coarse plan then keeps clear.
@@ -112,6 +115,8 @@ def plan(
         )
     legs = np.full(2, np.pi / 2) if rest is None else vector("rest", rest, 2, "rad")
     still = rest_of(model, legs, float(stops[0][2]))
+    if minimise not in ("time", "effort"):
+        raise ParameterError(f"minimise is {minimise!r}: known are 'time' and 'effort'.")
     if on not in ("full", "decoupled"):
         raise ParameterError(f"on is {on!r}: plans are made on 'full' or 'decoupled' models.")
     if motions is None:
@@ -123,16 +128,27 @@ def plan(
     limited = limits is not None or max_power is not None
     found = Found(None, None, "no gait of the robot keeps the limits", False)
     for gaits in within(model, motions, limits, max_power) if limited else (motions,):
-        search = Search(
-            model, by, still, corners(gaits, most=10), obstacles=obstacles, margin=margin,
-            room=0.1 * radius_of(model), limits=limits, max_power=max_power,
-        )  # fmt: skip
-        found = search.run(stops, tolerance, longest)
-        if found.plan is not None:
-            return found.plan
+        for few, cost in _choices(model, gaits, minimise):
+            search = Search(
+                model, by, still, few, cost=cost, obstacles=obstacles, margin=margin,
+                room=0.1 * radius_of(model), limits=limits, max_power=max_power,
+            )  # fmt: skip
+            found = search.run(stops, tolerance, longest)
+            if found.plan is not None:
+                return found.plan
         if not found.too_hard:
             break
     raise PlanError(_told(stops[-1], found), nearest=found.nearest)
+
+
+def _choices(model: Model, motions: Motions, minimise: str) -> Iterator[tuple[Motions, Array]]:
+    """Few motions to choose from, and the cost of a second of each; in the end the quick ones."""
+    if minimise == "effort":
+        power = settled(model, motions)["power"]
+        few = corners(motions, most=10, cost=np.where(power > 0, power, np.inf))
+        yield few, settled(model, few)["power"]
+    few = corners(motions, most=10)
+    yield few, np.ones(few.offset.size)
 
 
 def _told(goal: Array, found: Found) -> str:

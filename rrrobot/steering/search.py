@@ -58,6 +58,7 @@ class Search:
         room: what the margin is widened by [m]: the exact motion leaves the coarse path by about
             a centimetre where gaits change.
         limits, max_power: that the whole run keeps.
+        cost: of a second of each motion (n,); of plans the cheapest come first.
     """
 
     def __init__(
@@ -72,10 +73,12 @@ class Search:
         room: float,
         limits: GaitLimits | None,
         max_power: float | None,
+        cost: Array,
     ) -> None:
         self.model, self.by, self.rest, self.motions = model, by, rest, motions
         self.obstacles, self.margin, self.room = tuple(obstacles), margin, margin + room
         self.limits, self.max_power = limits, max_power
+        self.cost = cost / cost.min()
         self.period = 2 * np.pi / motions.angular_frequency
         self.blend = CYCLES_OF_BLEND * self.period
 
@@ -103,8 +106,9 @@ class Search:
             self.by, [k.make(x) for k, x in knobs], start, self.rest, tail=0.15 * tail
         )
         away = np.abs(gap(rough, goal) / (0.05, 0.05, 0.3)).max(axis=1)
-        # Far off and long are both bad; those that fail in the rough are left out.
-        order = np.argsort(np.where(np.isfinite(away), away + times / 15.0, np.inf), kind="stable")
+        price = np.array([sum(self.cost[way.choice] * way.time) for way in ways])
+        # Far off and costly are both bad; those that fail in the rough are left out.
+        order = np.argsort(np.where(np.isfinite(away), away + price / 15.0, np.inf), kind="stable")
         nearest: Plan | None = None
         blocked, too_hard = "", 0
         for i in order[:_SHOTS]:
@@ -148,14 +152,16 @@ class Search:
         return f"no way was found that takes {longest:g} s at most{apart}"
 
     def _ways(self, stops: list[Array], longest: float) -> tuple[list[_Way], Array | None]:
-        """Coarse plans, the shortest first, and where they end if that is not the goal."""
+        """Coarse plans, the cheapest first, and where they end if that is not the goal."""
         twists, least = self.motions.twist, 0.5 * self.blend
         heads = [_Way([], [])]
         for number, (a, b) in enumerate(itertools.pairwise(stops)):
             last, left = number == len(stops) - 2, longest - sum(heads[0].time)
             legs: list[_Way] = []
             found = joined(twists, a, b, least=least, most=max(left, least))
-            for choice, time in zip(found.choice[:400], found.time[:400], strict=True):
+            price = np.sum(self.cost[found.choice] * found.time, axis=1)
+            for i in np.argsort(price, kind="stable")[:400]:
+                choice, time = found.choice[i], found.time[i]
                 if not self.obstacles or np.all(self.free(path(twists[choice], a, time)[:, :2])):
                     legs.append(_Way(choice.tolist(), time.tolist()))
                 if len(legs) == (_CANDIDATES if last else 1):
@@ -164,7 +170,7 @@ class Search:
             if not legs or (self.obstacles and sum(legs[0].time) > 2 * quick):
                 way = around(
                     twists, a, b, self.free, piece=4 * self.period, least=least, most=left,
-                    blend=0.5 * self.blend,
+                    blend=0.5 * self.blend, expansions=4000 if self.obstacles else 1000,
                 )  # fmt: skip
                 if way.arrives:
                     legs = sorted([_Way(way.choice, way.time), *legs], key=lambda w: sum(w.time))
