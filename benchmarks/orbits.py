@@ -50,7 +50,13 @@ def measured() -> dict[str, Any]:
         return steady_states(setting, gaits, cycles=CYCLES, counted=COUNTED, steps_per_cycle=STEPS)
 
     def orbits(steps: int, stability: str) -> Callable[[], Any]:
-        return lambda: orbits_of(setting, gaits, steps, stability=stability).results
+        def found() -> Any:
+            orbits = orbits_of(setting, gaits, steps, stability=stability)
+            if stability == "exact":
+                assert orbits.multiplier.max() < 1.0
+            return orbits.results
+
+        return found
 
     ways: dict[str, Callable[[], Any]] = {
         "cycles": cycles,

