@@ -72,15 +72,15 @@ class Page:
             props = message.get("props") or {}
             if isinstance(props, dict) and props.get("label"):
                 self.uuid[props["label"]] = message["uuid"]
-            if "rr-numbers" in str(props.get("content", "")) and self.numbers is None:
+            if 'class="rr-numbers"' in str(props.get("content", "")) and self.numbers is None:
                 self.numbers = message["uuid"]
         return found
 
     def wait_for_numbers(self) -> None:
-        """Hear until the panel has new numbers."""
+        """Hear until the panel has new numbers; they may come with the panel itself."""
         while True:
             for message in self.hear():
-                if message["type"] == "GuiUpdateMessage" and message["uuid"] == self.numbers:
+                if message.get("uuid") == self.numbers and "data-speed" in str(message):
                     return
 
     def move(self, label: str, value: float) -> float:

@@ -191,7 +191,7 @@ def numbers(outcome: Outcome | None, refusal: str | None, *, waiting: bool = Fal
     if waiting:
         refusal = "Computing; the first run of a kind compiles the engine, a minute or two."
     rows = "" if outcome is None else "".join(
-        f'<tr><td style="padding-right:1em">{name}</td><td><b>{value}</b></td></tr>'
+        f"<tr><td>{name}</td><td><b>{value}</b></td></tr>"
         for name, value in _rows(outcome).items()
     )  # fmt: skip
     words = [] if outcome is None or refusal is not None else list(outcome.words)

@@ -16,6 +16,7 @@ from rrrobot.view.film import thin
 from rrrobot.view.lab.atlas import Atlas
 from rrrobot.view.lab.charts import Charts
 from rrrobot.view.lab.knobs import Knobs
+from rrrobot.view.lab.layout import STYLE, Framing, dock, framing
 from rrrobot.view.lab.outcome import Outcome, Refusal, ghost, settle
 from rrrobot.view.lab.panel import Panel, numbers
 from rrrobot.view.lab.player import Player
@@ -31,6 +32,8 @@ _LATE = 1.0
 """After which the panel says that it computes [s]."""
 _MOST_POINTS = 6000
 """Of the path; a longer one is drawn more coarsely."""
+_LAYING_OUT = 3.0
+"""For which a browser may still be settling where the panel is [s]."""
 
 
 class Session:
@@ -64,10 +67,12 @@ class Session:
         self.player = Player(client, self._stage)
         self._scene: Scene | None = None
         self._staged = 0.0
+        self._framed: tuple[Framing, tuple[int, int], float] | None = None
         self._wanted: tuple[Callable[[], Outcome], float] | None = None
         self._running: Callable[[], Outcome] | None = None
         self._wake, self._closed = threading.Condition(), False
         self._build()
+        client.camera.on_update(self._resized)
         self._worker = threading.Thread(target=self._work, name="rrrobot lab", daemon=True)
         self._worker.start()
         self.turn(knobs)
@@ -114,7 +119,8 @@ class Session:
 
     def _build(self) -> None:
         gui, player = self.client.gui, self.player
-        gui.configure_theme(show_logo=False, show_share_button=False, control_width="large")
+        dock(gui, self.client.camera.image_width)
+        gui.add_html(STYLE, order=1e6)
         self._numbers = gui.add_html(numbers(None, None))
         self._panel = Panel(gui, self.robot, self.knobs, self.turn)
         buttons = gui.add_button_group("play", ("play / pause", "restart"))
@@ -327,12 +333,25 @@ class Session:
 
     def _look(self) -> None:
         """Put the camera where it sees the whole path."""
-        camera, view = self.client.camera, self._view
+        camera = self.client.camera
+        size = camera.image_width, camera.image_height
+        at = framing(self._view, np.array((0.0, 0.0, 1.0)), size)
+        self._framed = at, size, time.monotonic()
         with self.client.atomic():
             camera.fov = np.deg2rad(FIELD_OF_VIEW)
             camera.up_direction = (0.0, 0.0, 1.0)
-            camera.position = view.target + view.camera
-            camera.look_at = view.target
+            camera.position = at.position
+            camera.look_at = at.look_at
+
+    def _resized(self, camera: Any) -> None:
+        """Look again when the picture has another size, unless the person has turned the camera."""
+        if self._framed is None or self._framed[1] == (camera.image_width, camera.image_height):
+            return
+        at, _, when = self._framed
+        far = 1e-3 * np.linalg.norm(at.position - at.look_at)
+        still = np.allclose(camera.position, at.position, rtol=0, atol=far)
+        if still or time.monotonic() - when < _LAYING_OUT:
+            self._look()
 
 
 def _lifted(points: Array, scene: Scene) -> Array:
