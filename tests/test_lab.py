@@ -204,8 +204,8 @@ def test_playing_moves_the_robot_in_real_time(page, lab):
     # The scene has been told: its root joint stands where the motion is at that time.
     player.draw()
     q, shift, _ = session.outcome.frame(player.time)
-    place = session._scene.pose(q).joints[1]
-    node = session._stage._nodes[session._scene.path(1)]
+    place = session.drawing.scene.pose(q).joints[1]
+    node = session.drawing.stage._nodes[session.drawing.scene.path(1)]
     assert node.position == pytest.approx((shift * place).translation, abs=1e-6)
     player.speed = 1.0
 

@@ -9,9 +9,11 @@ import pytest
 
 import rrrobot as rr
 from rrrobot.view.commands import mesh
+from rrrobot.view.lab.ghosts import ghost
 from rrrobot.view.lab.knobs import Knobs
 from rrrobot.view.lab.maps import inverse, motion_map, placed
-from rrrobot.view.lab.outcome import Refusal, Screw, ghost, settle
+from rrrobot.view.lab.motion import Screw
+from rrrobot.view.lab.outcome import Refusal, settle
 from rrrobot.view.lab.stage import triangles
 
 ROBOT = rr.Robot.from_parameters()
@@ -146,7 +148,7 @@ def test_the_map_shows_the_motions_that_the_gaits_have():
 
 
 def test_ghosts_go_where_their_models_go():
-    path = ghost(ROBOT, KNOBS, "decoupled")
+    path = ghost(ROBOT, KNOBS, "decoupled").path()
     run = rr.sweep(rr.models.DecoupledModels(ROBOT), offset=np.pi / 4, progress=False)
     steps = np.diff(path.reshape(-1, 36, 2).mean(axis=1), axis=0)
     speed = np.linalg.norm(steps, axis=1).mean() / (np.pi / 4)

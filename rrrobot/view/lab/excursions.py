@@ -158,6 +158,7 @@ def _made(
     found = forces(t)
     return Outcome(
         friction=found["friction"], torque=found["torque"], knobs=knobs, trajectory=t,
-        screw=None, speed=speed, yaw_rate=yaw_rate, normal_force=float(t.normal_force.min()),
+        screw=None, horizon=knobs.horizon, speed=speed, yaw_rate=yaw_rate,
+        normal_force=float(t.normal_force.min()),
         multipliers=np.empty(0, dtype=np.complex128), settled=False, words=words,
     )  # fmt: skip

@@ -11,6 +11,7 @@ import numpy as np
 import pinocchio as pin
 
 from rrrobot.checks import Array
+from rrrobot.view.lab.motion import Motion
 from rrrobot.view.lab.outcome import Outcome
 from rrrobot.view.lab.stage import Stage, wxyz
 from rrrobot.view.scene import Pose, Scene
@@ -32,12 +33,15 @@ class Player:
         speed: simulated seconds per second.
         follow: whether the robot stays in the middle of the picture.
         time: of the motion [s].
+        lock: held while it draws.
+        ghosts: motions of other models, played beside it, by the name of each.
     """
 
     def __init__(self, client: Any, stage: Stage) -> None:
         self.playing, self.speed, self.follow, self.time = True, 1.0, False, 0.0
         self._client, self._stage = client, stage
-        self._lock, self._end = threading.Lock(), threading.Event()
+        self.ghosts: dict[str, Motion] = {}
+        self.lock, self._end = threading.Lock(), threading.Event()
         self._outcome: Outcome | None = None
         self._scene: Scene | None = None
         self._arrow: Any = None
@@ -55,7 +59,7 @@ class Player:
 
     def show(self, outcome: Outcome, scene: Scene) -> None:
         """Play another motion, at the same phase of the legs if it has one."""
-        with self._lock:
+        with self.lock:
             before = self._outcome
             if before is not None and outcome.screw is not None and before.screw is not None:
                 # A slider turned must not throw the robot along its path.
@@ -77,7 +81,7 @@ class Player:
 
     def draw(self) -> None:
         """Draw the robot where it is at this time."""
-        with self._lock:
+        with self.lock:
             if self._outcome is not None and self._scene is not None:
                 self._draw(self._outcome, self._scene)
 
@@ -106,6 +110,10 @@ class Player:
             self._stage.place("/world/force", _at(scene.ground.point(pose.contact)))
             self._stage.place("/world/mass", _at(centre))
             self._arrow.points = self._force(outcome, scene, shift, at)
+            for name, ghost in tuple(self.ghosts.items()):
+                q, shift, _ = ghost.frame(self.time)
+                for joint, place in moved(scene.pose(q), shift).joints.items():
+                    self._stage.place(f"/world/ghost/{name}/{joint}", place.homogeneous)
             if self.follow or self._followed:
                 self._followed = self.follow
                 away = -pose.center if self.follow else np.zeros(3)

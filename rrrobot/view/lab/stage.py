@@ -28,6 +28,8 @@ class Stage:
     def __init__(self, scene: Any) -> None:
         self._scene = scene
         self._nodes: dict[str, Any] = {}
+        self._meshes: dict[str, Command] = {}
+        """looks of the nodes that are meshes: of the same look, only the triangles are sent anew"""
 
     def send(self, commands: Iterable[Command]) -> None:
         """Carry out commands in their order."""
@@ -59,6 +61,7 @@ class Stage:
             return
         for name in [n for n in self._nodes if f"{n}/".startswith(f"{path}/")]:
             del self._nodes[name]
+            self._meshes.pop(name, None)
         self._scene.remove_by_name(path)
 
     def put(self, path: str, node: Any) -> Any:
@@ -97,6 +100,11 @@ class Stage:
             )
         else:
             vertices, faces = triangles(shape)
+            if self._meshes.get(path) == look:
+                node = self._nodes[path]
+                node.vertices, node.faces = vertices, faces
+                node.wxyz, node.position = at["wxyz"], at["position"]
+                return
             opacity = look["opacity"]
             flat = look["type"] == "MeshBasicMaterial"
             node = self._scene.add_mesh_simple(
@@ -106,6 +114,7 @@ class Stage:
                 material="toon3" if flat else "standard",
                 cast_shadow=opacity >= 1 and not flat, receive_shadow=not flat, **at,
             )  # fmt: skip
+            self._meshes[path] = look
         self._nodes[path] = node
 
 
