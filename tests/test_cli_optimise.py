@@ -59,6 +59,7 @@ def test_a_target_out_of_reach_is_printed_and_fails(tmp_path: Path) -> None:
     assert json.loads(path.read_text())["met"] is False
 
 
+@pytest.mark.slow
 def test_the_front_is_drawn(tmp_path: Path) -> None:
     picture, path = tmp_path / "front.png", tmp_path / "front.json"
     result = run(*QUICK, "--budget", "600", "--pareto", picture, "--n-points", "4", "--cost",

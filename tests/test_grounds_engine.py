@@ -38,7 +38,7 @@ def both(full, gait, duration=10.0, step=0.01, **start):
     return kkt, fast
 
 
-@pytest.mark.parametrize("name", some(EVERY, ("A", "E", "sphere bowl", "box graph")))
+@pytest.mark.parametrize("name", some(EVERY, ("E", "sphere bowl", "box graph")))
 def test_engine_and_kkt_agree_to_1e_9_after_ten_seconds(name):
     kkt, fast = both(model(*EVERY[name]), GAIT, euler=START)
     np.testing.assert_allclose(fast.euler, kkt.euler, atol=1e-9)
@@ -163,7 +163,7 @@ def phase_of(many, row):
     return many.gait(row).phase
 
 
-@pytest.mark.parametrize("name", some("ADE", "A"))
+@pytest.mark.parametrize("name", some("ADE", ()))
 def test_steady_states_are_those_of_a_simulation(name):
     full = model(*PAIRS[name])
     many = gaits(3)

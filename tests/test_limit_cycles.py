@@ -109,6 +109,7 @@ def test_random_trees_of_twelve_joints(seed):
     travelled_the_same(c, long, 1)
 
 
+@pytest.mark.slow
 def test_an_ellipsoid_rolls_into_its_cycle():
     """A shell that is no sphere: the long run, and the return of Pinocchio's KKT form."""
     base = rr.Robot.from_parameters()

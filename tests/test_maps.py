@@ -148,6 +148,7 @@ def test_given_axes_are_used(full: xr.Dataset) -> None:
     assert maps.value_map(full.speed, ax) is ax
 
 
+@pytest.mark.slow
 def test_any_two_dimensions(full: xr.Dataset) -> None:
     ds = sweep(
         rr.FullModel(ROBOT),

@@ -20,6 +20,7 @@ from rrrobot.momentum.extremes import extremes
 from rrrobot.momentum.kernels import LANES, LIFT_OFF, OK, VERTICAL
 from rrrobot.momentum.lowering import VERTICAL as SINE_LIMIT
 from tests.random_robot import random_robot
+from tests.some import some
 
 ODD = rr.RRRobotParameters(
     leg_mass=(0.05, 0.08), leg_length=(0.11, 0.07), hip_offset=0.09, shell_radius=0.13
@@ -97,7 +98,7 @@ def test_simulate_by_momentum_equals_kkt(model, parameters):
 
 
 @pytest.mark.filterwarnings("ignore::rrrobot.errors.GroundClearanceWarning")
-@pytest.mark.parametrize("seed", [8, 9])
+@pytest.mark.parametrize("seed", [8, pytest.param(9, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("damping", [rr.BodyRateDamping(0.3, 0.3, 0.3), 0.3])
 def test_random_trees_after_ten_seconds(seed, damping):
     """Revolute, prismatic and continuous joints, the shell off the base's origin."""
@@ -254,7 +255,7 @@ def engine_loads(model, gait, cycles, steps):
     return dict(zip((*RESULT, *LOADS), row, strict=True))
 
 
-@pytest.mark.parametrize("model", MODELS, ids=lambda m: m.name)
+@pytest.mark.parametrize("model", some(MODELS, {"full"}, lambda m: m.name))
 @pytest.mark.parametrize(
     "parameters",
     [rr.RRRobotParameters(), pytest.param(ODD, marks=pytest.mark.slow)],
@@ -274,7 +275,10 @@ def test_loads_are_those_of_the_kkt_trajectory(model, parameters):
             assert found[name] == pytest.approx(value, rel=rel, nan_ok=True), (name, steps)
 
 
-@pytest.mark.parametrize("damping", [rr.BodyRateDamping(0.3, 0.3, 0.3, legs=0.02), 0.3])
+@pytest.mark.parametrize(
+    "damping",
+    [rr.BodyRateDamping(0.3, 0.3, 0.3, legs=0.02), pytest.param(0.3, marks=pytest.mark.slow)],
+)
 @pytest.mark.parametrize("seed", [3, pytest.param(5, marks=pytest.mark.slow)])
 def test_loads_of_random_trees(seed, damping):
     """Revolute, prismatic and continuous joints, damped joints, the shell off the origin."""

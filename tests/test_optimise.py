@@ -172,6 +172,7 @@ def test_the_fastest_lateral_gait_is_that_of_a_brute_force_grid(model: rr.FullMo
     assert best.gait.amplitude.tolist() == pytest.approx([0.3, 0.3])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("goal", "column", "sign"),
     [
@@ -270,6 +271,7 @@ def test_the_pivoting_model_can_be_optimised() -> None:
 # Limits.
 
 
+@pytest.mark.slow
 def test_limits_hold_in_a_kkt_simulation(model: rr.FullModel) -> None:
     limits = GaitLimits(
         friction=0.05, max_curvature=0.5, max_torque=0.06, max_leg_acceleration=60.0, max_pitch=0.4

@@ -197,6 +197,7 @@ def test_verdicts_follow_the_numbers() -> None:
         taken("x", 2.0, 2.1)
 
 
+@pytest.mark.slow
 def test_every_verdict_has_its_limit(made: Reproduction) -> None:
     judged = [row for s in made.sections for row in s.rows if row["verdict"] in (AGREES, DIFFERS)]
     assert len(judged) > 50

@@ -210,6 +210,7 @@ def test_a_start_elsewhere_is_the_same_plan_moved(model):
     np.testing.assert_allclose(there.gait(time).angle, here.gait(time).angle, atol=1e-4)
 
 
+@pytest.mark.slow
 def test_obstacles_are_passed_at_their_margin(model):
     wall = Polygon([(-0.3, 0.2), (0.15, 0.2), (0.15, 0.25), (-0.3, 0.25)])
     obstacles = (Disc((0.3, 0.1), 0.03), wall)

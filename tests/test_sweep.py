@@ -56,7 +56,10 @@ def small() -> xr.Dataset:
 # What is in the result
 
 
-@pytest.mark.parametrize("model", [FULL, rr.PivotingModel(ROBOT), DecoupledModels(ROBOT)])
+@pytest.mark.parametrize(
+    "model",
+    [FULL, rr.PivotingModel(ROBOT), pytest.param(DecoupledModels(ROBOT), marks=pytest.mark.slow)],
+)
 def test_is_the_steady_state_of_a_simulation(model: rr.FullModel | DecoupledModels) -> None:
     gait = rr.gait("circular")
     period = gait.period
@@ -687,6 +690,7 @@ def test_chunks_that_came_back_meanwhile_are_kept(small: xr.Dataset) -> None:
     np.testing.assert_array_equal(kept, small.speed.values.ravel()[:30])
 
 
+@pytest.mark.slow
 def test_other_bellies_and_grounds_give_what_a_simulation_gives() -> None:
     egg = rr.Robot.from_urdf(ROBOT.urdf, shell=rr.EllipsoidSum([(0.07, 0.06, 0.06), (0.06,) * 3]))
     for model in (

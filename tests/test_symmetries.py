@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
+from tests.some import some
 
 SECONDS, INTERVAL, STEP = 3.0, 0.05, 0.01
 MODELS = (rr.FullModel, rr.PivotingModel, rr.RollModel, rr.PitchModel, rr.YawModel)
@@ -15,7 +16,9 @@ GAIT = rr.SinusoidalGait(
 )
 TABLE_2 = rr.RRRobotParameters()
 
-every_model = pytest.mark.parametrize("kind", MODELS, ids=lambda k: k.name)
+every_model = pytest.mark.parametrize(
+    "kind", some(MODELS, {"full", "pivoting", "pitch"}, lambda k: k.name)
+)
 every_method = pytest.mark.parametrize("method", METHODS)
 
 
@@ -130,7 +133,9 @@ def mirrored_front_back():
 
 
 @pytest.mark.parametrize("mirror", [mirrored_left_right, mirrored_front_back])
-@pytest.mark.parametrize("model", [*MODELS, pytest.param("decoupled", marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    "model", some([*MODELS, "decoupled"], {"full", "roll"}, lambda m: getattr(m, "name", m))
+)
 @every_method
 def test_a_mirrored_gait_gives_the_mirrored_path(model, method, mirror):
     gait, angles, path, legs = mirror()

@@ -62,6 +62,7 @@ def test_second_gait_then_first_gait(model):
     assert free.cycles >= 1
 
 
+@pytest.mark.slow
 def test_motor_torques_track_the_plan(model):
     plan = plan_yaw(model, (0, 1.2, 1.6), (0.3, 1.8, 1.0), angle_range=LIMITS)
     driven = rr.LegTorques(plan.torque, angle=plan.start[1:])
