@@ -51,6 +51,7 @@ class Following:
         error: its distance from the path, positive to the left (n,) [m].
         settled: from which cycle on the robot was on the path.
         stopped: why the legs were stopped early, or None.
+        start: where it rested (3,); with it the gait's simulation is the same run.
         end: where the robot is at last (3,).
     """
 
@@ -61,6 +62,7 @@ class Following:
     error: Array = field(repr=False)
     settled: int
     stopped: str | None
+    start: Array
     end: Array
 
     @property
@@ -84,6 +86,7 @@ class Following:
             "rms": self.rms,
             "largest": float(np.abs(late).max()) if late.size else None,
             "stopped": self.stopped,
+            "start": self.start.tolist(),
             "end": self.end.tolist(),
         }
 
@@ -199,7 +202,7 @@ def follow(
     box = Gear(motions, gear)
     first = track.nearest(track.points[0])
     bends = [track.nearest(p).curvature for p in track.points[:: max(1, len(track.points) // 200)]]
-    sharp = float(np.clip(np.percentile(np.abs(bends), 95), 0, 0.8 * box.curvature[1]))
+    sharp = float(np.clip(np.percentile(np.abs(bends), 95), 0, 0.8 * box.brisk[1]))
     fast = 0.8 * box.fastest(sharp) if speed is None else finite("speed", speed, "m/s", above=0)
     straight = box.drive(fast, first.curvature)
     begin = (
@@ -239,13 +242,14 @@ def follow(
 
 def _steer(known: _Estimate, near: Any, gear: Gear, speed: float) -> Drive:
     """The gait of the next cycle."""
-    guess = gear.drive(speed, near.curvature)
+    guess = gear.drive(speed, float(np.clip(near.curvature, *gear.brisk)))
     course = known.pose[2] + guess.course + known.course
     off = (course - near.course + np.pi) % (2 * np.pi) - np.pi
     bend = near.curvature * np.cos(off) / max(1.0 - near.curvature * near.aside, 0.3)
     pull = float(np.clip(_STIFFNESS / speed * near.aside, -0.8 * _DAMPING, 0.8 * _DAMPING))
     turn = speed * bend - pull - _DAMPING * float(np.clip(off, -1.2, 1.2))
-    return gear.drive(speed, (turn - known.yaw_rate) / speed)
+    # Sharper bends than these it would creep round, and never end.
+    return gear.drive(speed, float(np.clip((turn - known.yaw_rate) / speed, *gear.brisk)))
 
 
 def _result(
@@ -268,5 +272,6 @@ def _result(
         error=error,
         settled=settled,
         stopped=stopped,
+        start=start,
         end=robot.pose,
     )

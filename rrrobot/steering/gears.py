@@ -59,6 +59,7 @@ class Gear:
 
     Attributes:
         curvature: lowest and highest that are reached at any amplitude (2,) [1/m].
+        brisk: lowest and highest at the largest amplitude; beyond these the robot creeps.
 
     Raises:
         ParameterError: another name.
@@ -96,6 +97,7 @@ class Gear:
             [(r, bends.min(), bends.max()) for r in _R for bends in (self.curve(r)[0],)]
         )
         self.curvature = np.array((self._ranges[:, 1].min(), self._ranges[:, 2].max()))
+        self.brisk = self._ranges[-1, 1:].copy()
         fastest = np.linalg.norm(motions.twist[:, :2], axis=1).max()
         if len(self._q) < 10 or self.fastest(0.0) < 0.02 * fastest:
             raise ModelError(f"the gaits of the gear {name!r} do not travel or steer this robot.")

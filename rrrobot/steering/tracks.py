@@ -69,6 +69,17 @@ class Track:
         self.points = np.column_stack([np.interp(self._at, at[keep], x[keep]) for x in ring.T])
         ahead = np.diff(self.points, axis=0)
         self._course = np.unwrap(np.arctan2(ahead[:, 1], ahead[:, 0]))
+        # The course at the middles of the pieces; of a closed path, one more at each end.
+        self._middle, self._turned = 0.5 * (self._at[1:] + self._at[:-1]), self._course
+        if closed:
+            last = (self._course[0] - self._course[-1] + np.pi) % (2 * np.pi) - np.pi
+            self._lap = float(self._course[-1] - self._course[0] + last)
+            self._middle = np.concatenate(
+                (self._middle[-1:] - self.length, self._middle, self._middle[:1] + self.length)
+            )
+            self._turned = np.concatenate(
+                (self._course[-1:] - self._lap, self._course, self._course[:1] + self._lap)
+            )
 
     def nearest(
         self, point: ArrayLike, around: float | None = None, reach: float = 0.05
@@ -88,24 +99,27 @@ class Track:
             if self.closed:
                 gap = np.abs((gap + self.length / 2) % self.length - self.length / 2)
             away = np.where(gap <= reach, away, np.inf)
-        i = min(int(away.argmin()), len(self._course) - 1)
+        near, pieces = int(away.argmin()), len(self._course)
+        # On one of the two pieces that meet at the nearest of the points.
+        both = np.array((near, near - 1)) % pieces if self.closed else np.array((near, near - 1))
+        both = both[(both >= 0) & (both < pieces)]
+        step = self.points[both + 1] - self.points[both]
+        rel = x - self.points[both]
+        share = np.clip(np.sum(rel * step, axis=1) / np.sum(step**2, axis=1), 0.0, 1.0)
+        k = int(np.linalg.norm(rel - share[:, None] * step, axis=1).argmin())
+        i = int(both[k])
         course = float(self._course[i])
         normal = np.array((-np.sin(course), np.cos(course)))
-        aside = float((x - self.points[i]) @ normal)
-        return Nearest(float(self._at[i]), aside, course, self._bend(float(self._at[i])))
+        along = float(self._at[i] + share[k] * (self._at[i + 1] - self._at[i]))
+        return Nearest(along, float(rel[k] @ normal), course, self._bend(along))
 
     def _bend(self, at: float, ahead: float = 0.02) -> float:
         """Mean curvature from `at` to `ahead` beyond [1/m]."""
-        middle = 0.5 * (self._at[1:] + self._at[:-1])
-        total = self._course[-1] - self._course[0]
-        if self.closed:
-            # The turn from the last point to the first belongs to the path.
-            last = self._course[0] - self._course[-1]
-            total += (last + np.pi) % (2 * np.pi) - np.pi
 
         def course(s: float) -> float:
             laps = np.floor(s / self.length) if self.closed else 0.0
-            return float(np.interp(s - laps * self.length, middle, self._course) + laps * total)
+            turn = laps * self._lap if self.closed else 0.0
+            return float(np.interp(s - laps * self.length, self._middle, self._turned) + turn)
 
         return (course(at + ahead) - course(at)) / ahead
 
