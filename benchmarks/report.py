@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import argparse
 import json
+import re
 from pathlib import Path
 
 from benchmarks.common import RESULTS, ROOT
@@ -21,6 +22,10 @@ FILES = ("engine", "peers", "simulators", "machines")
 HEAD = """\
 # Benchmarks
 
+Times are medians of one run, of code that is compiled and warm unless it says otherwise. What was
+to be shown of the engine, and what was measured; a click on a line below opens the details.
+"""
+AGAIN = """\
 Written by `python -m benchmarks.report` from `benchmarks/results/*.json`. To measure anew (extra
 `bench`; a quarter of an hour on two free cores):
 
@@ -32,8 +37,6 @@ python -m benchmarks.simulators
 python -m benchmarks.machines
 python -m benchmarks.report
 ```
-
-Times are medians of one run, of code that is compiled and warm unless it says otherwise.
 """
 
 
@@ -74,6 +77,13 @@ def targets(e: Record) -> list[tuple[str, str, str, bool]]:
     ]  # fmt: skip
 
 
+def targets_table(record: Record) -> str:
+    """The engine's targets, and whether they are met."""
+    found = targets(record["results"])
+    rows = ((what, goal, got, "yes" if met else "**no**") for what, goal, got, met in found)
+    return table(("what", "target", "measured", "met"), rows)
+
+
 def engine_page(record: Record) -> str:
     """The engine's own measurements."""
     e = record["results"]
@@ -83,13 +93,11 @@ def engine_page(record: Record) -> str:
          number(r["speed_worst"], 2))
         for r in e["convergence"]
     )  # fmt: skip
-    rows = ((what, goal, got, "yes" if met else "**no**") for what, goal, got, met in targets(e))
     parts = [
         "## The engine\n",
         prose(f"""RRRobot of Table 2, full model, damping of 0.01 N m s/rad on each Euler rate; legs
             at offsets 0..π by phase differences 0..2π, A = 0.3 rad, 8 rad/s; 38 cycles (29.85 s)
             from an impulsive start, means over the last 19. {machine(record)}"""),
-        table(("what", "target", "measured", "met"), rows),
         prose("""A gait's cost is its table of leg coefficients, which grows with the legs, and the
             march through it, which does not. Processor time on random robots with full inertias,
             revolute and prismatic joints:"""),
@@ -101,6 +109,14 @@ def engine_page(record: Record) -> str:
     return "\n".join(parts)
 
 
+def folded(text: str) -> str:
+    """A section that a click opens: its heading is what is seen, those in it are bold lines."""
+    heading, rest = text.split("\n", 1)
+    inside = re.sub(r"^#+ (.*)$", r"**\1**", rest.strip("\n"), flags=re.M)
+    title = heading.lstrip("# ")
+    return f"<details>\n<summary>{title}</summary>\n\n{inside}\n\n</details>\n"
+
+
 def page(folder: Path) -> str:
     """The whole page from the folder's files."""
     records = {name: json.loads((folder / f"{name}.json").read_text()) for name in FILES}
@@ -109,8 +125,9 @@ def page(folder: Path) -> str:
         peers_page(records["peers"]),
         simulators_page(records["simulators"]),
         machines_page(records["machines"]),
+        f"## Measured anew\n\n{AGAIN}",
     )
-    return "\n".join((HEAD, *parts))
+    return "\n".join((HEAD, targets_table(records["engine"]), *map(folded, parts)))
 
 
 def readme(folder: Path, path: Path) -> str:

@@ -46,6 +46,7 @@ html_theme = "furo"
 html_title = f"rrrobot {release}"
 html_static_path = ["_static"]
 html_css_files = ["rrrobot.css"]
+html_js_files = ["films.js"]
 html_math_renderer = "mathml"
 html_copy_source = False
 html_use_index = False

@@ -1,6 +1,7 @@
 """What the README and the docstrings show must run; what they link to must exist."""
 
 import ast
+import builtins
 import doctest
 import importlib
 import pkgutil
@@ -62,6 +63,23 @@ def test_pages_name_tests_that_exist(page):
     for file, test in re.findall(r"`(test_\w+\.py)(?:::(\w+))?`", page.read_text()):
         text = (ROOT / "tests" / file).read_text()
         assert not test or f"def {test}(" in text, f"{page.name} names {file}::{test}"
+
+
+def test_the_gallery_s_lines_are_ten_and_stand_by_themselves():
+    page = ROOT / "docs" / "gallery.md"
+    sections = re.split(r"^## ", page.read_text(), flags=re.M)[1:]
+    assert len(sections) >= 8
+    for section in sections:
+        (code,) = re.findall(r"```python\n(.*?)```", section, flags=re.S)
+        assert len([line for line in code.splitlines() if line]) <= 10, section.splitlines()[0]
+        names = [node for node in ast.walk(ast.parse(code)) if isinstance(node, ast.Name)]
+        made = {name.id for name in names if isinstance(name.ctx, ast.Store)}
+        made |= set(re.findall(r"^import \w+ as (\w+)$", code, flags=re.M)) | set(dir(builtins))
+        assert {name.id for name in names} <= made, section.splitlines()[0]
+        for shown in re.findall(r"!\[[^\]]+\]\(([\w.]+)\)", section):
+            assert f'"{shown}"' in code
+            # The front page leads to each by a picture of it.
+            assert f"images/gallery/{Path(shown).stem}.png" in (ROOT / "docs/index.md").read_text()
 
 
 def test_the_examples_page_has_every_example_with_its_question():

@@ -19,6 +19,8 @@ from page_code import FENCE, PageError, Ran, is_kept, is_run, run_page
 from sphinx.application import Sphinx
 from sphinx.errors import ExtensionError
 
+from rrrobot.view.page import meshcat_script
+
 _SHOW = re.compile(r"^!\[([^\]]*)\]\(([\w.-]+)\)$", flags=re.M)
 
 
@@ -47,6 +49,9 @@ def _run_all(app: Sphinx) -> None:
                 ran[name] = run_page(*work[name])
     except PageError as error:
         raise ExtensionError(str(error)) from None
+    for name in names:
+        for film in _folder(app, name).glob("*.html"):
+            _share_script(film)
     app.pages_ran = ran  # type: ignore[attr-defined]
 
 
@@ -54,6 +59,18 @@ def _columns(work: dict[str, Any], names: list[str]) -> list[list[Any]]:
     return [
         list(column) for column in zip(*(work[name] for name in names), strict=True)
     ]
+
+
+def _share_script(film: Path) -> None:
+    """Take Meshcat's script, most of a film, out of it into one file for all films."""
+    script, page = meshcat_script(), film.read_text()
+    shared = film.parent.parent / "meshcat.js"
+    if not shared.exists():
+        shared.write_text(script)
+    inside, outside = "script-src 'unsafe-inline'", " file: http: https:"
+    page = page.replace(inside, inside + outside, 1)
+    tag = '<script src="../meshcat.js"></script>'
+    film.write_text(page.replace(f"<script>{script}</script>", tag, 1))
 
 
 def _folder(app: Sphinx, name: str) -> Path:

@@ -179,7 +179,7 @@ def film_html(
     if len(poses) > 1:
         grown = film.reached - 1 if ribbon and trace is True else None
         more = []
-        if pushed is not None:
+        if pushed is not None and isinstance(played, Trajectory):
             commands += force_objects()
             more.append(force_clip(scene, played, pushed, film, poses))
         commands.append(animation(scene, poses, film.fps, follow=follow, grown=grown, more=more))
@@ -196,7 +196,7 @@ def _check_trace(trace: Trace) -> None:
 def _caption(trajectory: Trajectory | Play, scene: Scene, speed: float) -> str:
     duration = trajectory.time[-1] - trajectory.time[0]
     parts = [
-        f"{trajectory.robot.name}, {trajectory.model_name} model, {duration:g} s",
+        f"{trajectory.robot.name}, {trajectory.model_name} model, {duration:.3g} s",
         *([f"{speed:g} x speed"] if speed != 1 else []),
         f"grid {scene.spacing:g} m",
     ]

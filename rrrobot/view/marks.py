@@ -12,7 +12,7 @@ from rrrobot.errors import ParameterError
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.view.commands import AXIS_COLOURS, css
 from rrrobot.view.curves import leg_colour
-from rrrobot.view.motion import FORCE, FORCE_COLOUR, force_of, touches
+from rrrobot.view.motion import FORCE, FORCE_COLOUR, force_of
 from rrrobot.view.player import Play
 from rrrobot.view.scene import TRACE_COLOUR, Scene, View
 
@@ -76,13 +76,11 @@ def _layers(scene: Scene, trajectory: Trajectory | Play, trace: bool) -> dict[st
         }
     }  # fmt: skip
     if trace:
-        words = "path of the contact" if touches(trajectory) else "path over the ground"
+        words = "path of the contact" if _rolls(trajectory) else "path over the ground"
         layers["trace"] = {"kind": "nodes", "words": words, "nodes": ["/world/ground/trace"]}
         layers["trace"]["legend"] = [(css(TRACE_COLOUR), words)]
     if force_of(trajectory) is not None:
-        words = "contact force"
-        if isinstance(trajectory, Trajectory) and not trajectory.has_contact:
-            words = "force of the pivot"
+        words = "contact force" if _rolls(trajectory) else "force of the pivot"
         layers["force"] = {"kind": "nodes", "words": words, "nodes": [FORCE]}
         layers["force"]["legend"] = [(css(FORCE_COLOUR), words)]
     if shells := scene.shell_paths:
@@ -96,6 +94,10 @@ def _layers(scene: Scene, trajectory: Trajectory | Play, trace: bool) -> dict[st
             layers["curves"] = {"kind": "element", "words": words, "element": "curves"}
     layers["tree"] = {"kind": "tree", "words": "Meshcat's panel"}
     return layers
+
+
+def _rolls(trajectory: Trajectory | Play) -> bool:
+    return isinstance(trajectory, Trajectory) and trajectory.has_contact
 
 
 def _names(scene: Scene, trajectory: Trajectory | Play) -> list[dict[str, Any]]:

@@ -87,7 +87,7 @@ def force_objects() -> list[Command]:
 
 
 def force_clip(
-    scene: Scene, trajectory: Trajectory | Play, force: Array, film: Film, poses: Sequence[Pose]
+    scene: Scene, trajectory: Trajectory, force: Array, film: Film, poses: Sequence[Pose]
 ) -> Command:
     """The motion of that arrow: it stands where the force acts, as long as the force is large.
 
@@ -100,7 +100,7 @@ def force_clip(
     """
     shown = np.column_stack([np.interp(film.time, trajectory.time, column) for column in force.T])
     turns = [pin.Quaternion.FromTwoVectors(_UP, f if f.any() else _UP).coeffs() for f in shown]
-    if touches(trajectory):
+    if trajectory.has_contact:
         places = [scene.ground.point(pose.contact) for pose in poses]
     else:
         places = [pose.center for pose in poses]  # the pivot's
@@ -112,8 +112,3 @@ def force_clip(
         track(".quaternion", "quaternion", frames, turns),
         track(".scale", "vector3", frames, np.repeat(size[:, None], 3, axis=1)),
     )  # fmt: skip
-
-
-def touches(trajectory: Trajectory | Play) -> bool:
-    """Whether a force of a contact is meant, and not a pivot's."""
-    return not isinstance(trajectory, Trajectory) or trajectory.has_contact

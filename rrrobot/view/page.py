@@ -59,14 +59,19 @@ def live_page(title: str) -> bytes:
 _LENS = json.dumps((FIELD_OF_VIEW, WIDTH))
 
 
-def _page(title: str, script: str, connect: str, below: str) -> bytes:
+def meshcat_script() -> str:
+    """Meshcat's own script, as it is within every page."""
     spec = importlib.util.find_spec("meshcat")
     if spec is None or not spec.submodule_search_locations:
         raise MissingExtraError("the viewer needs Meshcat: pip install meshcat.")
     path = Path(spec.submodule_search_locations[0], "viewer", "dist", "main.min.js")
+    return path.read_text("utf-8")
+
+
+def _page(title: str, script: str, connect: str, below: str) -> bytes:
     return _part(
         "page.html", title=html.escape(title), connect=connect, style=_part("page.css"),
-        below=below, meshcat=path.read_text("utf-8"), script=script,
+        below=below, meshcat=meshcat_script(), script=script,
     ).encode()  # fmt: skip
 
 
