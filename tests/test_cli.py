@@ -379,9 +379,9 @@ def assert_refused(result: Result, says: str, code: int = 1) -> None:
 @pytest.mark.parametrize(
     ("args", "says"),
     [
-        (("--leg-mass=-1",), "leg_mass is -1.0 kg"),
-        (("--shell-radius", "0"), "shell_radius"),
-        (("--leg-mass", "1,2,3"), "leg_mass has 3 entries"),
+        (("--leg-mass=-1",), "--leg-mass is -1.0 kg"),
+        (("--shell-radius", "0"), "--shell-radius is"),
+        (("--leg-mass", "1,2,3"), "--leg-mass has 3 entries"),
         (("--urdf", "nowhere.urdf", "--shell-radius", "1"), "there is no URDF file"),
         (("--urdf", URDF, "--shell-radius=-1"), "radius"),
         (("--urdf", URDF, "--shell-radius", "0.12", "--legs", "arm"), "no movable joint 'arm'"),
@@ -394,10 +394,10 @@ def assert_refused(result: Result, says: str, code: int = 1) -> None:
         (("--step=-0.1",), "step is -0.1 s"),
         (("--duration", "0"), "duration is 0.0 s"),
         (("--duration=-3",), "duration is -3.0 s"),
-        (("--sample-interval", "0"), "sample_interval is 0.0 s"),
+        (("--sample-interval", "0"), "--sample-interval is 0.0 s"),
         (("--sample-interval", "1e-12"), "samples"),
         (("--rtol", "0"), "rtol"),
-        (("--ramp", "0"), "duration is 0.0 s"),
+        (("--ramp", "0"), "--ramp is 0.0 s"),
         (("--damping=-1",), "at least zero"),
         (("--ground", "plane:0,0,-1"), "it must point up"),
         (("--model", "yaw", "--euler", "0.1,0,0"), "locks roll"),
@@ -455,7 +455,7 @@ def test_wrong_usage_exits_2(args: tuple[str, ...], says: str) -> None:
 def test_warnings_are_one_line() -> None:
     result = run("simulate", *SHORT, "--leg-length", "0.2", "--json")
     assert result.exit_code == 0
-    assert result.stderr.startswith("Warning: leg_length is 0.2 m")
+    assert result.stderr.startswith("Warning: --leg-length is 0.2 m")
     assert result.stderr.count("\n") == 1
     strict_json(result.stdout)
 

@@ -299,6 +299,25 @@ def test_maps_of_any_two_grids(tmp_path: Path) -> None:
     assert "phase_difference" not in {Path(name).stem for name in files}
 
 
+def test_more_than_two_grids_are_sliced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from rrrobot.figures import maps
+
+    drawn: list[xr.Dataset] = []
+    module = import_module("rrrobot.cli.sweep")
+    monkeypatch.setattr(
+        module, "draw", lambda ds, suffix: (drawn.append(ds), {f"map{suffix}": None})[1]
+    )
+    monkeypatch.setattr(module, "write_figures", lambda made, to: [to / f for f in made])
+    grids = ("--offset", "1,1.2,1.4", "--amplitude", "0.2,0.3", "--frequency", "7:9:3")
+    result = run(*grids, *SHORT, "--figures", str(tmp_path), "--json")
+    names = {Path(name).name for name in json.loads(result.stdout)["files"]}
+    assert names == {"map_amplitude_0.2", "map_amplitude_0.3"}
+    assert "2 of 2 maps over offset and angular_frequency, at values of amplitude" in result.stderr
+    assert [float(ds.amplitude) for ds in drawn] == [0.2, 0.3]
+    for ds in drawn:
+        maps.value_map(ds.speed)
+
+
 def test_modulation_is_used_for_the_decoupled_figures(monkeypatch: pytest.MonkeyPatch) -> None:
     from rrrobot.figures import maps
 
@@ -336,8 +355,8 @@ def test_modulation_is_used_for_the_decoupled_figures(monkeypatch: pytest.Monkey
         (("--paper", "--phase", "0"), 2, "--phase does not go with --paper"),
         (("--offset", "1", "--out", "no/such.nc"), 1, "there is no folder"),
         (("--offset", "1", "--out", "sweep.csv"), 1, "stored as netCDF"),
-        (("--offset", "1", "--figures", "maps"), 2, "over two grids; this sweep has 0"),
-        (("--offset", "0:1:2", "--figures", "maps"), 2, "over two grids; this sweep has 1"),
+        (("--offset", "1", "--figures", "maps"), 2, "over two grids or more; this sweep has 0"),
+        (("--offset", "0:1:2", "--figures", "maps"), 2, "over two grids or more; this sweep has 1"),
         (("--offset", "1", "--loads", "--model", "decoupled"), 1, "choose one model, such as full"),
         (("--offset", "1", "--ground", "plane:0,0,0"), 1, "normal is zero"),
     ],

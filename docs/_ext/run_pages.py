@@ -101,11 +101,11 @@ def _insert(app: Sphinx, name: str, source: list[str]) -> None:
         at = block.end()
         words = block[2].split()
         if "hide" not in words:
-            parts.append(
-                block[0].replace(block[2], words[0], 1)
-                if is_run(block[2])
-                else block[0]
-            )
+            if is_run(block[2]):
+                parts.append(block[0].replace(block[2], words[0], 1))
+            else:  # a box of text may show pictures, code may not
+                box = block[1].startswith(":")
+                parts.append(_SHOW.sub(show, block[0]) if box else block[0])
         if is_run(block[2]):
             said = next(output)
             if said and "hide" not in words:

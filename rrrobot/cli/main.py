@@ -17,6 +17,7 @@ from typing import Any
 import click
 
 import rrrobot.cli
+from rrrobot.cli.wording import in_options
 from rrrobot.errors import RRRobotError, shortened
 
 INTERRUPTED = 130
@@ -36,12 +37,12 @@ class _Group(click.Group):
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
-            with _warnings_as_lines():
+            with _warnings_as_lines(ctx):
                 return super().invoke(ctx)
         except KeyboardInterrupt as error:
             raise _Interrupt(_one_line(error) or "stopped.") from None
         except RRRobotError as error:
-            raise click.ClickException(_one_line(error)) from None
+            raise click.ClickException(_said(error, ctx)) from None
 
 
 @click.group(cls=_Group)
@@ -73,15 +74,22 @@ for _command in _commands():
 
 
 @contextmanager
-def _warnings_as_lines() -> Iterator[None]:
+def _warnings_as_lines(ctx: click.Context) -> Iterator[None]:
+    def show(message: Warning | str, *_: Any, **__: Any) -> None:
+        click.echo(f"Warning: {_said(message, ctx)}", err=True)
+
     with warnings.catch_warnings():
         warnings.simplefilter("always", UserWarning)
-        warnings.showwarning = _show_warning
+        warnings.showwarning = show
         yield
 
 
-def _show_warning(message: Warning | str, *_: Any, **__: Any) -> None:
-    click.echo(f"Warning: {_one_line(message)}", err=True)
+def _said(message: object, ctx: click.Context) -> str:
+    """One line, with the options of the command that runs instead of Python's arguments."""
+    text = _one_line(message)
+    commands = ctx.command.commands if isinstance(ctx.command, click.Group) else {}
+    command = commands.get(ctx.invoked_subcommand or "")
+    return text if command is None else in_options(text, command)
 
 
 def _one_line(message: object) -> str:

@@ -22,7 +22,15 @@ from rrrobot.cli.options.robot import (
 )
 from rrrobot.cli.report import tell
 from rrrobot.cli.sweep_grids import GridOptions
-from rrrobot.cli.sweep_report import draw, draw_paper, folder_of, summary, table, write_figures
+from rrrobot.cli.sweep_report import (
+    draw,
+    draw_paper,
+    folder_of,
+    slices,
+    summary,
+    table,
+    write_figures,
+)
 from rrrobot.errors import ParameterError
 from rrrobot.models.base import Model
 from rrrobot.models.recombined import DecoupledModels
@@ -81,8 +89,8 @@ class SweepOutput(Group):
     figures: str | None = option(
         "--figures",
         metavar="DIR",
-        help="Maps over two grids as .png; with --paper and the full model also those beside the "
-        "single-axis models.",
+        help="Maps over two grids as .png, slices of more grids; with --paper and the full model "
+        "also those beside the single-axis models.",
     )
     as_json: bool = option("--json", is_flag=True, help="Summary as JSON, SI units.")
     quiet: bool = option("--quiet", is_flag=True, help="No progress bar.")
@@ -149,7 +157,11 @@ def sweep_command(
     if folder is not None and plane and grids.paper and model == "full":
         files += write_figures(draw_paper(ds, partial(_model, parts=parts), axes, run), folder)
     elif folder is not None:
-        files += write_figures(draw(ds), folder)
+        parts_of, note = slices(ds)
+        for suffix, part in parts_of.items():
+            files += write_figures(draw(part, suffix), folder)
+        if note is not None:
+            click.echo(note, err=True)
     tell(data, table(data), files, as_json=output.as_json)
 
 

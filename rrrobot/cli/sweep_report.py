@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
 SETTLED = 0.05
 """Variation from cycle to cycle up to which a gait counts as the fastest."""
+_MOST_SLICES = 8
 _MOST_MODULATED = 21
 """Offsets of Fig 20; each takes a search by the yaw model."""
 
@@ -111,8 +112,41 @@ def _place(best: dict[str, Any]) -> str:
     )
 
 
-def draw(ds: xr.Dataset) -> dict[str, Any]:
-    """Figures of a sweep over two grids by file name."""
+def slices(ds: xr.Dataset) -> tuple[dict[str, xr.Dataset], str | None]:
+    """Maps of a sweep over more than two grids: slices over its two longest, at values of the rest.
+
+    Returns:
+        what is added to the names of a slice's files -> slice, and a note if there is more than
+        one: at most `_MOST_SLICES` are drawn, at even steps of the rest's values.
+    """
+    gaits = ds.speed.squeeze(drop=True)
+    wide = sorted(gaits.dims, key=lambda dim: -gaits.sizes[dim])
+    plane, rest = wide[:2], [str(dim) for dim in gaits.dims if dim not in wide[:2]]
+    if not rest:
+        return {"": ds}, None
+    every = list(np.ndindex(*(gaits.sizes[dim] for dim in rest)))
+    drawn = np.unique(np.linspace(0, len(every) - 1, min(len(every), _MOST_SLICES)).round())
+    found = {}
+    for number in drawn.astype(int):
+        at = dict(zip(rest, every[number], strict=True))
+        part = ds.isel(at)
+        values = (f"_{dim}_{_value(part, dim, index)}" for dim, index in at.items())
+        found["".join(values)] = part
+    note = (
+        f"Note: {len(found)} of {len(every)} maps over {' and '.join(map(str, plane))}, at values "
+        f"of {', '.join(rest)}."
+    )
+    return found, note
+
+
+def _value(part: xr.Dataset, dim: str, index: int) -> str:
+    """A slice's value of a dimension, short enough for a file's name."""
+    known = part.coords.get(dim)
+    return str(index) if known is None or known.dtype.kind not in "fi" else f"{float(known):.4g}"
+
+
+def draw(ds: xr.Dataset, suffix: str = "") -> dict[str, Any]:
+    """Figures of a sweep over two grids by file name, to which the suffix is added."""
     from rrrobot.figures import maps
 
     figures: dict[str, Any] = {
@@ -126,7 +160,7 @@ def draw(ds: xr.Dataset) -> dict[str, Any]:
     for name in load_names():
         if name in ds and ds[name].notnull().any():
             figures[name] = maps.value_map(ds[name]).figure
-    return figures
+    return {name + suffix: figure for name, figure in figures.items()}
 
 
 def draw_paper(
@@ -172,6 +206,8 @@ def folder_of(name: str, grids: dict[str, Any], parameters: dict[str, Any]) -> P
     for grid in grids.values():
         every += grid.values() if isinstance(grid, dict) else [grid]
     wide = sum(np.size(grid) > 1 for grid in every)
-    if wide != 2:
-        raise click.UsageError(f"--figures draws maps over two grids; this sweep has {wide}.")
+    if wide < 2:
+        raise click.UsageError(
+            f"--figures draws maps over two grids or more; this sweep has {wide}."
+        )
     return make_folder(name)

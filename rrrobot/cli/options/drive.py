@@ -12,6 +12,7 @@ import click
 from rrrobot.cli.options.group import Group, option
 from rrrobot.cli.options.robot import PerLeg, RobotOptions
 from rrrobot.cli.types import NUMBER, PER_LEG
+from rrrobot.cli.wording import called
 from rrrobot.drive.gaits import Gait, RampIn, SinusoidalGait, StillLegs
 from rrrobot.drive.gaits import gait as named_gait
 from rrrobot.drive.tables import read_gait
@@ -86,7 +87,10 @@ class GaitOptions(Group):
         else:
             self.refuse(_SINUSOID, "do not go with a gait of a file")
             gait = read_gait(self.gait)
-        return gait if self.ramp is None else RampIn(gait, self.ramp)
+        if self.ramp is None:
+            return gait
+        with called({"duration": "--ramp"}):
+            return RampIn(gait, self.ramp)
 
     def start_angle(self, options: RobotOptions) -> float | tuple[float, ...]:
         """--offset, or upright legs on RRRobot and 0 on others."""

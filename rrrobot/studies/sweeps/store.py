@@ -134,7 +134,7 @@ class ResultsFile:
             self._stream.close()
             raise OutputError(
                 f"the head of {str(self.path)!r} is damaged ({type(error).__name__}). Name another "
-                "file, or begin anew with resume=False (--no-resume)."
+                "file, or begin anew with resume=False."
             ) from None
 
     def __enter__(self) -> ResultsFile:
@@ -222,7 +222,7 @@ class ResultsFile:
             more = f", and {len(differ) - 5} more" if len(differ) > 5 else ""
             raise OutputError(
                 f"{shown} holds another sweep. It differs in {'; '.join(differ[:5])}{more}. Name "
-                "another file, or begin anew with resume=False (--no-resume)."
+                "another file, or begin anew with resume=False."
             )
 
 
