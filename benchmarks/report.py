@@ -27,7 +27,7 @@ to be shown of the engine, and what was measured; a click on a line below opens 
 """
 AGAIN = """\
 Written by `python -m benchmarks.report` from `benchmarks/results/*.json`. To measure anew (extra
-`bench`; a quarter of an hour on two free cores):
+`bench`; it took {minutes:.0f} minutes):
 
 ```sh
 pip install -e '.[dev,bench]'
@@ -120,12 +120,13 @@ def folded(text: str) -> str:
 def page(folder: Path) -> str:
     """The whole page from the folder's files."""
     records = {name: json.loads((folder / f"{name}.json").read_text()) for name in FILES}
+    minutes = sum(float(record["machine"]["minutes"]) for record in records.values())
     parts = (
         engine_page(records["engine"]),
         peers_page(records["peers"]),
         simulators_page(records["simulators"]),
         machines_page(records["machines"]),
-        f"## Measured anew\n\n{AGAIN}",
+        f"## Measured anew\n\n{AGAIN.format(minutes=minutes)}",
     )
     return "\n".join((HEAD, targets_table(records["engine"]), *map(folded, parts)))
 

@@ -8,9 +8,11 @@ import pkgutil
 import re
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import rrrobot
+import rrrobot.machines.catalog
 from tests.some import some
 
 ROOT = Path(__file__).parent.parent
@@ -117,3 +119,62 @@ def test_every_public_function_has_an_example():
         if name not in shown_elsewhere and ">>>" not in (getattr(rrrobot, name).__doc__ or "")
     ]
     assert missing == []
+
+
+WORDS = (
+    "no one two three four five six seven eight nine ten eleven twelve thirteen fourteen fifteen"
+)
+WORDS = f"{WORDS} sixteen seventeen eighteen nineteen twenty".split()
+TUTORIALS = len(list((ROOT / "docs" / "tutorials").glob("*.md")))
+MACHINE_COUNT = len(rrrobot.machines.catalog.MACHINES)
+
+
+@pytest.mark.parametrize(
+    ("page", "sentence", "count"),
+    [
+        ("README.md", r"the snakeboard, and (\w+) other machines", MACHINE_COUNT - 1),
+        ("README.md", r"and (\w+) more tutorials", TUTORIALS - 3),
+        ("docs/index.md", r"machines.md\) (\w+) machines", MACHINE_COUNT),
+        ("docs/tutorials/first_hour.md", r"hour: (\w+) questions", 5),
+        ("README.md", r"--figures maps   # (\d+) gaits", 40 * 40),
+    ],
+)
+def test_what_is_counted_is_so_many(page, sentence, count):
+    (said,) = re.findall(sentence, (ROOT / page).read_text())
+    assert (int(said) if said.isdigit() else WORDS.index(said.lower())) == count
+
+
+def test_the_readme_s_numbers_are_what_comes_out():
+    """The rows of its table of trust that are numbers; what they are held against has its tests."""
+    text = (ROOT / "README.md").read_text()
+    rows = dict(re.findall(r"^\| ([^|]+) \| ([^|]+) \|$", text, flags=re.M))
+    model = rrrobot.FullModel(rrrobot.Robot.from_parameters())
+    lateral, circular = (
+        rrrobot.simulate(model, rrrobot.gait(name), 30.0, method="momentum")
+        for name in ("lateral", "circular")
+    )
+    said = [float(x) for x in re.findall(r"[\d.]+\d", rows["lateral gait, v"])]
+    assert said == pytest.approx(2 * [1000 * lateral.steady_state().speed], rel=2e-6)
+    speed, rate, kane, kane_rate = (
+        float(x) for x in re.findall(r"[\d.]+\d", rows["circular gait, v and yaw rate"])
+    )
+    found = circular.steady_state()
+    assert (speed, kane) == pytest.approx(2 * (1000 * found.speed,), rel=2e-6)
+    assert (rate, kane_rate) == pytest.approx(2 * (found.yaw_rate,), rel=5e-6)
+    assert rows["slip and height error, any run"] == "below 1e-15 m/s and m"
+    for run in (lateral, circular):
+        assert max(run.slip.max(), np.abs(run.height_error).max()) < 1e-15
+
+
+def test_no_page_promises_a_time_by_hand():
+    """Times depend on the computer: those that are told come from a measurement."""
+    many = r"(?:an? |half a |a few |some )(?:seconds|minutes?|hours?)\b"
+    promise = re.compile(rf"(?:#.*: |, |takes |in )(?:about )?{many}")
+    generated = {"benchmarks.md", "ideal.md", "robots.md", "CHANGELOG.md"}
+    kept = {"answered in an hour"}
+    for page in PAGES:
+        if page.name in generated:
+            continue
+        for line in page.read_text().splitlines():
+            if not any(words in line for words in kept):
+                assert not promise.search(line), f"{page.name}: {line}"

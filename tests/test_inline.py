@@ -71,12 +71,19 @@ def results(robot, run):
         "pivoting": rr.studies.compare(robot, rr.gait("circular"), 8.0),
         "curvature": best,
         "Pareto front": front,
+        "it holds": rr.limit_cycle(rr.FullModel(robot), rr.gait("circular")),
+        "most turn": rr.reduction.optimal_cycle(robot, angle_range=(0.3, 1.5), harmonics=3),
+        "missed by": rr.plan(rr.FullModel(robot), goal=(0.0, 0.1, 0.0)),
+        "motors": rr.machines.snakeboard(),
+        "constraints broken by": rr.machines.chaplygin_sleigh().simulate(None, 0.5),
     }
 
 
-@pytest.mark.parametrize(
-    "word", ["mass", "damping", "Trajectory", "yaw rate", "pivoting", "curvature", "Pareto front"]
-)
+RESULTS = ("mass", "damping", "Trajectory", "yaw rate", "pivoting", "curvature", "Pareto front")
+RESULTS += ("it holds", "most turn", "missed by", "motors", "constraints broken by")
+
+
+@pytest.mark.parametrize("word", RESULTS)
 def test_results_show_whole_html_that_needs_no_network(results, word):
     shown = Tags(results[word]._repr_html_())
     assert word in shown.text

@@ -12,6 +12,7 @@ import pinocchio as pin
 
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import LegMotion
+from rrrobot.inline import html_table
 from rrrobot.machines.mechanism import MachineDynamics, Mechanism
 from rrrobot.machines.tree import Tree
 
@@ -55,6 +56,15 @@ class History:
     states: Array
     motion: Callable[[float], LegMotion | None]
     torque: Callable[[float, Array, Array], Array | None]
+
+    def _repr_html_(self) -> str:
+        rows = {
+            "time": f"{self.time[0]:g} .. {self.time[-1]:.4g} s, {len(self)} samples",
+            "pose at the end": self.pose[-1].round(4).tolist(),
+            "energy": f"{self.energy.min():.4g} .. {self.energy.max():.4g} J",
+            "constraints broken by": f"{self.violation.max():.1e}",
+        }
+        return html_table(f"Motion of the {self.name}", rows)
 
     @property
     def velocity(self) -> Array:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 from rrrobot.checks import Array, vector
 from rrrobot.drive.gaits import Gait, LegMotion
 from rrrobot.errors import ModelError, ParameterError, SimulationError, SimulationInterrupted
+from rrrobot.inline import html_table
 from rrrobot.integrate import Stepping, integrate, sample_times
 from rrrobot.machines.history import History
 from rrrobot.machines.lone import roll, rolls_alone
@@ -54,7 +55,6 @@ class Machine:
         model: equations of motion.
         gaits: by name.
         shape: at which it starts by itself (n,).
-        published: parameters and where they come from.
 
     Example:
         >>> import rrrobot as rr
@@ -76,6 +76,14 @@ class Machine:
 
     def __post_init__(self) -> None:
         self.model.machine = self
+
+    def _repr_html_(self) -> str:
+        rows = {
+            "gaits": ", ".join(self.gaits) or "it moves by itself",
+            "motors": ", ".join(self.model.motors) or "none",
+            "links": ", ".join((self.tree.base.name, *(j.child.name for j in self.tree.joints))),
+        }
+        return html_table(self.title, rows)
 
     @property
     def urdf(self) -> str:

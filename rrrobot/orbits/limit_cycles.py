@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import Gait
+from rrrobot.inline import html_table
 from rrrobot.orbits.found import Found, find, prepared
 from rrrobot.rotations import euler_rates
 from rrrobot.simulation.run import simulate
@@ -176,6 +177,20 @@ class LimitCycle:
         data["curvature"] = self.curvature if math.isfinite(self.curvature) else None
         data["multipliers"] = [[m.real, m.imag] for m in self.multipliers.tolist()]
         return data
+
+    def _repr_html_(self) -> str:
+        rows = {
+            "model": self.model.name,
+            "gait": self.gait,
+            "period": f"{self.period:.6g} s",
+            "speed": f"{1000 * self.speed:.4f} mm/s",
+            "yaw rate": f"{self.yaw_rate:.6f} rad/s",
+            "multipliers": ", ".join(f"{m:.4g}" for m in self.multipliers[:4]),
+            "it holds": "yes" if self.stable else "NO: a disturbance grows",
+        }
+        if self.lifts_off:
+            rows["contact"] = "it LIFTS OFF"
+        return html_table("Limit cycle", rows, figure=self.plot("angles").figure)
 
     def __repr__(self) -> str:
         largest = abs(self.multipliers[0]) if self.multipliers.size else 0.0

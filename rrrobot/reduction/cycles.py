@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike
 from rrrobot.checks import Array, finite
 from rrrobot.drive.gaits import FourierGait
 from rrrobot.errors import ModelError, ParameterError
+from rrrobot.inline import html_table
 from rrrobot.models.single_axis import YawModel
 from rrrobot.reduction.connection import Connection, as_connection
 from rrrobot.reduction.heights import FULL_TURN, height_grid, pair_box, posture
@@ -53,6 +54,18 @@ class OptimalCycle:
     angle_range: Array
     pair: tuple[int, int]
     per: str
+
+    def _repr_html_(self) -> str:
+        return html_table(
+            f"Leg cycle with most turn per {self.per}",
+            {
+                "net turn": f"{np.rad2deg(self.net_yaw):.4f} deg a cycle",
+                "travel of the legs": f"{np.rad2deg(self.travel):.2f} deg a cycle",
+                "turn of its region": f"{np.rad2deg(self.region_yaw):.4f} deg",
+                "legs": f"{self.pair[0] + 1} and {self.pair[1] + 1}",
+                "gait": self.gait,
+            },
+        )
 
 
 def optimal_cycle(

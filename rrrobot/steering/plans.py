@@ -186,4 +186,21 @@ class Plan:
             ) from None
 
     def _repr_html_(self) -> str:
-        return html_table(repr(self), {}, figure=self.plot().figure)
+        metres, degrees = np.linalg.norm(self.error[:2]), np.rad2deg(abs(self.error[2]))
+        rows = {
+            "from": _pose(self.start),
+            "to": _pose(self.goal),
+            "missed by": f"{1000 * metres:.3g} mm, {degrees:.2g} deg",
+            "duration": f"{self.duration:.4g} s, of which {self.gait.duration:.4g} s moving",
+            "no gait of these is faster than": f"{self.lower_bound:.4g} s",
+            "planned on": f"the {self.on} model",
+        }
+        return html_table("Plan", rows, figure=self.plot().figure)
+
+    def __repr__(self) -> str:
+        return f"Plan({_pose(self.start)} to {_pose(self.goal)}, {self.duration:.4g} s)"
+
+
+def _pose(pose: Array) -> str:
+    x, y, yaw = pose.tolist()
+    return f"({x:.4g} m, {y:.4g} m, {np.rad2deg(yaw) + 0.0:.4g} deg)"
