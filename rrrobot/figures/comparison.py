@@ -83,7 +83,10 @@ def path_panel(ax: Axes, trajectory: Trajectory, marks: tuple[float, ...]) -> Ax
                 else (x[i], y[i])
             )
             ax.plot(*at, "o", color=BLACK, markersize=4, markerfacecolor="white")
-            ax.annotate(f"{mark:g} s", at, (8, 6), textcoords="offset points", fontsize=FONT - 1)
+            ax.annotate(
+                f"{mark:g} s", at, (8, 6), textcoords="offset points", fontsize=FONT - 1,
+                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6, "alpha": 0.75},
+            )  # fmt: skip
     ax.set_aspect("equal", adjustable="datalim")
     tidy(ax, "x [cm]", "y [cm]")
     return ax
@@ -170,7 +173,9 @@ def rolling_shell(
     figure = new_figure(7.6, 5.6)
     ax: Any = figure.add_subplot(projection="3d", computed_zorder=False)
     for instant in instants:
-        _draw_robot(ax, trajectory, int(np.argmin(np.abs(trajectory.time - instant))))
+        sample = int(np.argmin(np.abs(trajectory.time - instant)))
+        top = _draw_robot(ax, trajectory, sample)
+        ax.text(*top, f"{trajectory.time[sample]:g} s", fontsize=FONT, ha="center", zorder=10)
     # Over the shells, as if they were of glass.
     x, y = 100 * trajectory.position.T
     ax.plot(x, y, 0 * x, color="#BB5566", linewidth=0.7, zorder=8)
@@ -186,8 +191,12 @@ def rolling_shell(
     return figure
 
 
-def _draw_robot(ax: Any, trajectory: Trajectory, i: int) -> None:
-    """Three great circles turn with the body; legs from their joints to their links' masses."""
+def _draw_robot(ax: Any, trajectory: Trajectory, i: int) -> Array:
+    """Three great circles turn with the body; legs from their joints to their links' masses.
+
+    Returns:
+        a place above it (3,) [cm].
+    """
     import pinocchio as pin
 
     robot = trajectory.robot
@@ -214,3 +223,5 @@ def _draw_robot(ax: Any, trajectory: Trajectory, i: int) -> None:
         ax.plot(*np.column_stack((hip, tip)), color=BLACK, linewidth=2.2)
         ax.plot(*tip[:, None], "o", color=BLACK, markersize=5)
     ax.plot(*100 * trajectory.position[i][:, None], 0, "x", color=GREY, markersize=5)
+    above: Array = 100 * (center + np.array((0.0, 0.0, 1.2 * radius)))
+    return above

@@ -58,7 +58,13 @@ def dimensions(robot: Robot, ax: Axes) -> None:
     hip = data.oMi[joint].translation[1:]
     tip = data.oMi[joint].act(model.inertias[joint].lever)[1:]
     aside = np.array((0.022, 0.0)) * (1 if hip[0] >= 0 else -1)
-    _length(ax, hip + aside, tip + aside, f"l = {np.linalg.norm(tip - hip):.3g} m", np.zeros(2))
+    side = 1 if hip[0] >= 0 else -1
+    _length(ax, hip + aside, tip + aside, "", np.zeros(2))
+    ax.annotate(
+        f"l = {np.linalg.norm(tip - hip):.3g} m", (hip + tip) / 2 + aside, (4 * side, 0),
+        textcoords="offset points", rotation=90, fontsize=FONT - 1, va="center",
+        ha="left" if side > 0 else "right",
+    )  # fmt: skip
     up = np.array((0.0, 0.02))
     level = np.array((centre[0], hip[1]))
     _length(ax, level + up, hip + up, f"b = {abs(hip[0] - centre[0]):g} m", np.zeros(2))
