@@ -83,7 +83,7 @@ def called(names: Mapping[str, str]) -> Iterator[None]:
         >>> with called({"duration": "--ramp"}):
         ...     rr.RampIn(rr.gait("lateral"), 0.0)
         Traceback (most recent call last):
-        rrrobot.errors.GaitError: --ramp is 0.0 s: it must be greater than zero.
+        rrrobot.errors.GaitError: --ramp is 0.0 s: it must be greater than zero and finite.
     """
     try:
         yield
