@@ -13,7 +13,6 @@ import numpy as np
 from rrrobot.checks import Array, finite
 from rrrobot.errors import BranchInterrupted, OutputError, ParameterError
 from rrrobot.files import check_writable, write_whole
-from rrrobot.inline import html_table
 from rrrobot.orbits.continuation import CROSSING, DOUBLING, KINDS, Curve, Point, Walk
 from rrrobot.orbits.limit_cycles import LimitCycle, cycle_of
 from rrrobot.orbits.parameters import parameter_of
@@ -168,13 +167,9 @@ class Branch:
         return plot_branch(self, output, ax)
 
     def _repr_html_(self) -> str:
-        rows = {
-            f"{self.parameter} [{self.unit}]": f"{self.value.min():.6g} .. {self.value.max():.6g}",
-            "points": f"{len(self.cycles)}, {int(self.stable.sum())} of them hold",
-            **{f"{kind} at": f"{self.value[i]:.9g}" for kind, i in self.special},
-            "ended": self.ended,
-        }
-        return html_table("Branch of limit cycles", rows, figure=self.plot().figure)
+        from rrrobot.orbits.plots_parameters import branch_html
+
+        return branch_html(self)
 
     def __repr__(self) -> str:
         events = ", ".join(

@@ -8,6 +8,7 @@ import numpy as np
 
 from rrrobot.drawing import COLOURS, FONT, legend_above, new_axes, tidy
 from rrrobot.errors import ParameterError
+from rrrobot.inline import html_table
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -61,3 +62,16 @@ def plot_branch(branch: Branch, output: str, ax: Axes | None) -> Any:
     if shown:
         legend_above(ax)
     return ax
+
+
+def branch_html(branch: Branch) -> str:
+    """What a notebook shows of a branch."""
+    low, high = branch.value.min(), branch.value.max()
+    rows = {
+        f"{branch.parameter} [{branch.unit}]": f"{low:.6g} .. {high:.6g}",
+        "points": f"{len(branch.cycles)}, {int(branch.stable.sum())} of them hold",
+        **{f"{kind} at": f"{branch.value[i]:.9g}" for kind, i in branch.special},
+        "ended": branch.ended,
+    }
+    picture = plot_branch(branch, "speed", None).figure
+    return html_table("Branch of limit cycles", rows, figure=picture)
