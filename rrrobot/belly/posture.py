@@ -30,6 +30,8 @@ _ASIDE = 0.5
 """What a metre of the centre of mass to the side costs, in metres of its height."""
 _SHORT = 30.0
 """What a metre of clearance that is missing costs, likewise."""
+_FAR = 10.0
+"""Place to the side that is as good as infinitely far [m]."""
 _INSIDE = 0.04
 """Part of a joint's range that is kept to its ends."""
 
@@ -71,6 +73,21 @@ def judged(shapes: Shapes, at: Touches, leg_angle: Array) -> Posture:
     """What a given posture has; see `find_posture`."""
     search = _Search(shapes, at, np.zeros(2), 0.0, frozenset())
     return Posture(leg_angle, search.separation(leg_angle))
+
+
+def reaching_posture(
+    shapes: Shapes, at: Touches, start: Array, side: Array, room: float, covered: frozenset[str]
+) -> Array:
+    """The posture (legs,) whose centre of mass is farthest to a side (2,); see `find_posture`.
+
+    Limbs do not mirror each other; each is moved from `start` (legs,) by itself.
+    """
+    search = _Search(shapes, at, _FAR * side, room, covered)
+    search.symmetries = []
+    angle = np.array(start, dtype=float)
+    for group in search.groups():
+        angle = search.improved(angle, group)
+    return angle
 
 
 class _Search:

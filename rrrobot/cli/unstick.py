@@ -49,6 +49,9 @@ _FORMS = ("auto", "sphere", "ellipsoid", "box", "flat")
     type=NUMBER,
     help="To which the belly is fitted and may roll [rad]; 0.26 unless given.",
 )
+@click.option(
+    "--floor", type=NUMBER, help="Of a rock: its top over the floor [m]; its radius unless given."
+)
 @click.option("--joints", metavar="NAMES", help="That move, as J1,J2,...; all unless given.")
 @click.option("--group", "groups", multiple=True, metavar="GROUP",
               help="Ways in which limbs move together: all, alike, mirrored, opposite, front-back, "
@@ -77,6 +80,7 @@ def unstick_command(
     no_films: bool,
     form: str,
     tilt: float | None,
+    floor: float | None,
     joints: str | None,
     groups: tuple[str, ...],
     friction: float | None,
@@ -118,7 +122,7 @@ def unstick_command(
     found = unstick(
         fit_belly(robot_of(robot), **fit), goals=goals or None, joints=names(joints),
         groups=groups or GROUPS, limits=limits, damping_ratio=damping_ratio, harmonics=harmonics,
-        postures=postures, solutions=solutions, budget=budget, folder=out,
+        postures=postures, solutions=solutions, budget=budget, floor=floor, folder=out,
         progress=False if quiet else None,
     )  # fmt: skip
     files: list[Path] = []
@@ -152,7 +156,7 @@ def robot_of(name: str) -> Any:
 
 
 def _table(found: Unstuck) -> str:
-    from rrrobot.escape.report import gait_rows
+    from rrrobot.escape.report import gait_rows, off_rows
 
     rows = [("belly", repr(found.belly))]
     for mode in found.belly.modes:
@@ -161,6 +165,8 @@ def _table(found: Unstuck) -> str:
     if found.unlimited:
         rows.append(("no effort limit", ", ".join(found.unlimited)))
     for goal in found.goals:
+        if goal.name in found.off:
+            rows += [("", ""), (goal.name, ""), *off_rows(found.off[goal.name]).items()]
         if goal.name in found.found:
             for gait in found.found[goal.name]:
                 rows.append(("", ""))

@@ -130,7 +130,7 @@ class Rules(NamedTuple):
         """What is to be largest (n,); of gaits that stopped or do not settle, minus infinity."""
         if self.goal.leans:
             ahead, left, _ = self.goal.weights
-            found = (out.tilt @ np.array((ahead, left))).max(axis=1)
+            found = _top(out.tilt @ np.array((ahead, left)))
             steady = np.isfinite(found)
         else:
             found = self.goal.value(out.travel)
@@ -138,6 +138,16 @@ class Rules(NamedTuple):
             moving = np.maximum(speed, np.abs(out.travel[:, 2]) * self.length)
             steady = out.variation * np.maximum(speed, 1e-6) <= _VARIATION * moving
         return np.where(steady & np.isfinite(found), found, -np.inf)
+
+
+def _top(values: Array) -> Array:
+    """Largest value of periodic samples (n, m): of the parabola through the largest of them."""
+    n, k = np.arange(len(values)), values.argmax(axis=1)
+    left, here, right = (values[n, (k + i) % values.shape[1]] for i in (-1, 0, 1))
+    bend = left - 2.0 * here + right
+    with np.errstate(invalid="ignore", divide="ignore"):
+        more = np.where(bend < 0, -((left - right) ** 2) / (8.0 * bend), 0.0)
+    return np.asarray(here + more)
 
 
 def _below(value: Array, most: Any) -> Array:

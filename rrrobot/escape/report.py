@@ -24,6 +24,7 @@ from rrrobot.checks import Array
 from rrrobot.drawing import COLOURS, FONT, line, new_figure, tidy
 from rrrobot.drive.tables import gait_table, write_gait
 from rrrobot.escape.confirming import EscapeGait
+from rrrobot.escape.rolling_off import RollOff
 from rrrobot.files import write_whole
 from rrrobot.inline import html_table, png
 from rrrobot.robot.joints import sliding
@@ -60,6 +61,8 @@ def write_report(found: Unstuck, folder: str | Path, *, films: bool = True) -> l
     place.mkdir(parents=True, exist_ok=True)
     written: list[Path] = []
     for goal in found.goals:
+        if goal.name in found.off and found.off[goal.name].met:
+            written += _off_files(found.off[goal.name], place, films=films)
         for i, gait in enumerate(found.found.get(goal.name, ())):
             name = goal.file_name + ("" if i == 0 else f"_{i + 1}")
             written += _robot_files(gait, place, name)
@@ -78,6 +81,19 @@ def _robot_files(gait: EscapeGait, place: Path, name: str) -> list[Path]:
         table.to_csv(place / f"{name}.csv"),
         table.to_ros(place / f"{name}.ros.json"),
     ]
+
+
+def _off_files(way: RollOff, place: Path, *, films: bool) -> list[Path]:
+    from rrrobot.view.films import record
+
+    name, run, drive = way.goal.file_name, way.trajectory, way.drive
+    table = gait_table(drive, _RATE, duration=drive.duration, joints=run.robot.legs)
+    written = [
+        write_gait(drive, place / f"{name}.json"),
+        table.to_csv(place / f"{name}.csv"),
+        table.to_ros(place / f"{name}.ros.json"),
+    ]
+    return [*written, record(run, place / f"{name}.html", speed=0.5)] if films else written
 
 
 def _film(gait: EscapeGait, path: Path) -> Path:
@@ -108,6 +124,8 @@ def report_html(found: Unstuck, *, films: bool = True) -> str:
         parts.append(f"<h2>{escape(goal.name)}</h2>")
         if goal.name in found.reasons:
             parts.append(f'<p class="no">{escape(found.reasons[goal.name])}</p>')
+        if goal.name in found.off:
+            parts.append(html_table("Rolling off the rock", off_rows(found.off[goal.name])))
         for gait in found.found.get(goal.name, ()):
             parts.append(html_table("Settled cycle", gait_rows(gait)))
             parts.append(html_table("Joints", _joint_rows(gait), head=_JOINT_HEAD))
@@ -122,12 +140,16 @@ def report_html(found: Unstuck, *, films: bool = True) -> str:
 def _summary(found: Unstuck, *, films: bool) -> str:
     rows = []
     for goal in found.goals:
+        way = found.off.get(goal.name)
+        if way is not None and way.met:
+            rows.append((goal.name, f"off in {way.duration:.2f} s", f"{way.friction:.2f}", "", ""))
+            continue
         if goal.name not in found.found:
             rows.append((goal.name, "none feasible", "", "", ""))
             continue
         best = found.best(goal.name)
         rows.append((
-            goal.name, shown_value(best) if best.met else "none feasible",
+            goal.name, shown_value(best) if goal.name not in found.reasons else "none feasible",
             f"{best.measured['friction']:.2f}", share_text(best),
             f"{1000 * best.measured['clearance']:.0f} mm",
         ))  # fmt: skip
@@ -137,7 +159,7 @@ def _summary(found: Unstuck, *, films: bool) -> str:
         links = [
             f'<a href="{goal.file_name}.html">film: {escape(goal.name)}</a>'
             for goal in found.goals
-            if goal.name in found.found
+            if goal.name in found.found or (goal.name in found.off and found.off[goal.name].met)
         ]
     return html_table("Ways", rows, head=head) + "<p>" + " · ".join(links) + "</p>"
 
@@ -184,6 +206,23 @@ def _belly_rows(found: Unstuck) -> dict[str, str]:
         rows["effort limits that are none"] = ", ".join(found.unlimited)
     for text in belly.missing:
         rows["not read"] = text
+    return rows
+
+
+def off_rows(way: RollOff) -> dict[str, str]:
+    """What comes of leaning off a rock, in everyday units."""
+    rows = {
+        "legs move the centre of mass": f"{1000 * way.shift:.0f} mm to that side, in "
+        f"{way.drive.duration:.2f} s",
+        "friction needed until it goes over": f"{way.friction:.2f}",
+        "off the rock": "yes" if way.met else f"no: {way.reason}",
+    }
+    if np.isfinite(way.over):
+        rows["goes over"] = f"at {way.over:.2f} s"
+    if way.met:
+        ends = {"floor": f"{way.link} reaches the floor", "slide": "it slides off"}
+        told = ends.get(way.ended, "the rock pushes no longer")
+        rows["ends"] = f"at {way.duration:.2f} s: {told}"
     return rows
 
 

@@ -25,6 +25,7 @@ from rrrobot.escape.goals import ROCK, USUAL, Escape, goal_of
 from rrrobot.escape.limits import TOUCH, EscapeLimits, Rules, joint_ends
 from rrrobot.escape.loss import RATIO, rocking_damping, rocking_modes
 from rrrobot.escape.polish import Judged
+from rrrobot.escape.rolling_off import RollOff, roll_off
 from rrrobot.escape.spaces import GROUPS
 from rrrobot.escape.stances import stances
 from rrrobot.escape.unstuck import Unstuck
@@ -52,6 +53,7 @@ def unstick(
     harmonics: int = 1,
     solutions: int = 1,
     budget: int = 8000,
+    floor: float | None = None,
     folder: str | Path | None = None,
     progress: Progress = False,
 ) -> Unstuck:
@@ -63,7 +65,9 @@ def unstick(
     Args:
         robot: a Robot, the name of an example, the path of a URDF, or a `Belly` that is fitted.
         goals: "forward", "left" (sideways), "turn left", "direction:30", ... see
-            `rrrobot.escape.goals`; off a rock "off:90" (to the left). The usual ones unless given.
+            `rrrobot.escape.goals`. The usual ones unless given. For "off:90" (off a rock, to the
+            left) the legs lean to that side until the belly rolls over its edge; where it does
+            not, the gait that rocks farthest to it is searched.
         ground: level ground unless given.
         joints: that move, the others are held in the belly's posture; all unless given.
         groups: ways in which limbs may move together; see `rrrobot.escape.spaces`.
@@ -74,6 +78,7 @@ def unstick(
         harmonics: of the gaits.
         solutions: unlike gaits wanted for each goal.
         budget: gaits that may be simulated for a goal.
+        floor: of goals off a rock: height of its top over the floor [m]; its radius unless given.
         folder: where results are kept as they come; a run that was interrupted goes on from there.
         progress: in gaits of the goals' budgets; see `rrrobot.progress`.
 
@@ -117,6 +122,10 @@ def unstick(
                         belly, limits, joints, tuple(groups), damping, damping_ratio, postures
                     )
                     found = found.known(work.model, work.ends.unlimited)
+                if goal.leans:
+                    found = found.rolled(goal, work.off(goal, floor))
+                    if found.off[goal.name].met:
+                        continue
                 gaits = work.gaits(
                     goal, budget, harmonics, solutions, partial(_add, tell, i * budget)
                 )
@@ -188,6 +197,12 @@ class _Work:
             if len(confirmed) == solutions:
                 break
         return confirmed or tried[:1]
+
+    def off(self, goal: Escape, floor: float | None) -> RollOff:
+        """What comes of the legs' leaning to a side of a rock."""
+        return roll_off(
+            self.belly, goal, self.limits, self.ends, damping=self.model.damping, floor=floor
+        )
 
     def _clear(self, one: Judged) -> bool:
         """Whether links stay off the ground and each other through the engine's cycle."""

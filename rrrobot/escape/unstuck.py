@@ -17,13 +17,14 @@ from rrrobot.errors import OutputError, ParameterError
 from rrrobot.escape.confirming import EscapeGait
 from rrrobot.escape.goals import Escape, goal_of
 from rrrobot.escape.limits import EscapeLimits
+from rrrobot.escape.rolling_off import RollOff, way_of
 from rrrobot.files import write_whole
 from rrrobot.inline import html_table
 from rrrobot.models.base import Model
 from rrrobot.simulation.trajectory import Trajectory
 
 STORE = "unstick.json"
-FORMAT = "rrrobot unstick 1"
+FORMAT = "rrrobot unstick 2"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -35,6 +36,7 @@ class Unstuck:
         limits: what gaits had to keep within.
         goals: that were asked for.
         found: goal's name -> gaits, the best first; if the first is not `met`, it is the nearest.
+        off: goal's name -> how the robot rolls off its rock to that side, or why not.
         reasons: goal's name -> why there is no feasible gait, and what to try.
         unlimited: joints whose effort limit in the file is none.
         damping: of the rocking, as plain data; None as long as no goal was searched for.
@@ -51,6 +53,7 @@ class Unstuck:
     limits: EscapeLimits
     goals: tuple[Escape, ...]
     found: Mapping[str, tuple[EscapeGait, ...]] = field(default_factory=dict)
+    off: Mapping[str, RollOff] = field(default_factory=dict)
     reasons: Mapping[str, str] = field(default_factory=dict)
     unlimited: tuple[str, ...] = ()
     damping: Mapping[str, Any] | None = None
@@ -59,12 +62,13 @@ class Unstuck:
     @property
     def done(self) -> tuple[str, ...]:
         """Names of the goals that are searched."""
-        return (*self.found, *(name for name in self.reasons if name not in self.found))
+        gone = (name for name, way in self.off.items() if way.met)
+        return tuple(dict.fromkeys((*self.found, *gone, *self.reasons)))
 
     @property
     def met(self) -> bool:
-        """Whether there is a feasible gait for every goal."""
-        return all(goal.name in self.found and self.best(goal.name).met for goal in self.goals)
+        """Whether there is a feasible way for every goal."""
+        return all(goal.name in self.done and goal.name not in self.reasons for goal in self.goals)
 
     def best(self, goal: str | Escape) -> EscapeGait:
         """The best gait for a goal; where it is not `met`, the nearest.
@@ -75,6 +79,8 @@ class Unstuck:
         name = goal_of(goal).name
         if name in self.found:
             return self.found[name][0]
+        if name in self.off and self.off[name].met:
+            raise ParameterError(f"{name} takes no gait: off[{name!r}] says how.")
         why = self.reasons.get(name, f"the goals were {', '.join(g.name for g in self.goals)}")
         raise ParameterError(f"there is no gait {name!r}: {why}")
 
@@ -96,7 +102,7 @@ class Unstuck:
     def reached(self, goal: Escape, gaits: Sequence[EscapeGait]) -> Unstuck:
         """With the gaits of a goal."""
         reasons = dict(self.reasons)
-        if not gaits[0].met:
+        if not gaits[0].met and not goal.leans:
             reasons[goal.name] = why_not(gaits[0])
         new = replace(self, found={**self.found, goal.name: tuple(gaits)}, reasons=reasons)
         for i, gait in enumerate(gaits if new.folder is not None else ()):
@@ -104,9 +110,21 @@ class Unstuck:
             gait.trajectory.save(new.folder / _run_name(goal.name, i))
         return new._kept()
 
+    def rolled(self, goal: Escape, way: RollOff) -> Unstuck:
+        """With what came of rolling off a rock."""
+        new = replace(self, off={**self.off, goal.name: way})
+        if not way.met:
+            return replace(new, reasons={**self.reasons, goal.name: way.reason})
+        if new.folder is not None:
+            way.trajectory.save(new.folder / _run_name(goal.name, 0))
+        return new._kept()
+
     def failed(self, goal: Escape, reason: str) -> Unstuck:
         """With a goal that nothing reaches."""
-        return replace(self, reasons={**self.reasons, goal.name: reason})._kept()
+        said = [self.off[goal.name].reason] if goal.name in self.off else []
+        return replace(
+            self, reasons={**self.reasons, goal.name: "; ".join([*said, reason])}
+        )._kept()
 
     def stopped(self, reason: str) -> Unstuck:
         """With no goal reached, for one reason."""
@@ -124,6 +142,7 @@ class Unstuck:
             "limits": self.limits.to_dict(),
             "goals": [goal.name for goal in self.goals],
             "gaits": {name: [g.to_dict() for g in gaits] for name, gaits in self.found.items()},
+            "off": {name: way.to_dict() for name, way in self.off.items()},
             "reasons": dict(self.reasons),
             "unlimited": list(self.unlimited),
             "damping": self.damping,
@@ -138,6 +157,8 @@ class Unstuck:
         return f"Unstuck({self.belly.robot.name}: {told})"
 
     def _told(self, goal: Escape) -> str:
+        if goal.name in self.off and self.off[goal.name].met:
+            return f"off the rock in {self.off[goal.name].duration:.3g} s"
         if goal.name not in self.found:
             return self.reasons.get(goal.name, "not searched")
         best = self.best(goal)
@@ -184,8 +205,13 @@ class Unstuck:
                 )
                 for name, entries in data["gaits"].items()
             }
+            off = {
+                name: way_of(entry, folder / _run_name(name, 0))
+                for name, entry in data["off"].items()
+                if entry["met"]
+            }
             return replace(
-                self, found=found, reasons=dict(data["reasons"]),
+                self, found=found, off=off, reasons=dict(data["reasons"]),
                 unlimited=tuple(data["unlimited"]), damping=data["damping"],
             )  # fmt: skip
         except (KeyError, TypeError, ValueError, OSError) as error:

@@ -20,6 +20,7 @@ import pinocchio as pin
 
 from rrrobot.checks import Array
 from rrrobot.contact.ground import Ground, Plane, ground_basis
+from rrrobot.contact.shells import FlatBelly
 from rrrobot.contact.touching import touch_near
 from rrrobot.robot.robot import Robot
 from rrrobot.view.commands import (
@@ -138,7 +139,8 @@ class Scene:
         """Upright at the origin, each leg at its zero."""
         q = pin.neutral(self.robot.model)
         place, normal = self.robot.shell_placement, self.normal
-        arm = self.robot.shell.arm(place.rotation, normal)
+        flat = isinstance(self.robot.shell, FlatBelly)
+        arm = np.zeros(3) if flat else self.robot.shell.arm(place.rotation, normal)
         q[:3] = self._origin - place.translation - arm
         return self.pose(q)
 

@@ -18,6 +18,7 @@ import numpy as np
 import pinocchio as pin
 
 from rrrobot.checks import Array
+from rrrobot.contact.shells import FlatBelly
 from rrrobot.contact.surfaces import Sphere, Surface
 from rrrobot.robot.meshes import MeshError, find_mesh, numbers, origin_of, read_mesh, short
 from rrrobot.robot.reader import parse_urdf
@@ -27,6 +28,8 @@ from rrrobot.view.player import Figure
 
 BAND_COLOURS: tuple[Colour, ...] = ((0.84, 0.37, 0.0), (0.0, 0.45, 0.7), (0.25, 0.25, 0.25))
 SHELL_COLOUR: Colour = (0.93, 0.91, 0.86, 0.4)
+_THIN, _WIDE = 2e-3, 0.2
+"""Thickness of a flat belly's plate, and its half length where it has none [m]."""
 _STICK_COLOUR: Colour = (0.35, 0.42, 0.50)
 _DEFAULT_COLOUR: Colour = (0.72, 0.74, 0.77, 1.0)
 
@@ -109,7 +112,14 @@ def robot_visuals(robot: Robot | Figure) -> list[Visual]:
 
 def shell_size(robot: Robot | Figure) -> float:
     """The shell's largest half-width along its axes [m]."""
+    if isinstance(robot.shell, FlatBelly):
+        return max(_plate(robot.shell))
     return max(robot.shell.support(u) for u in np.vstack((np.eye(3), -np.eye(3))))
+
+
+def _plate(belly: FlatBelly) -> tuple[float, float]:
+    """Half lengths of a flat belly that are shown [m]."""
+    return belly.half_length or _WIDE, belly.half_width or _WIDE
 
 
 def _sticks(robot: Robot, tree: ET.Element, drawn: set[str]) -> list[Visual]:
@@ -151,8 +161,12 @@ def _sticks(robot: Robot, tree: ET.Element, drawn: set[str]) -> list[Visual]:
 
 
 def shell_visuals(robot: Robot | Figure) -> list[Visual]:
-    """A translucent shell with a band around each of its three axes."""
+    """A translucent shell with a band around each of its three axes; of a flat belly, a plate."""
     place, shell = robot.shell_placement, robot.shell
+    if isinstance(shell, FlatBelly):
+        x, y = _plate(shell)
+        plate = {"type": "BoxGeometry", "width": 2 * x, "height": 2 * y, "depth": _THIN}
+        return [Visual("shell", 1, place, plate, SHELL_COLOUR, math.hypot(x, y))]
     latitude, longitude = np.linspace(-math.pi / 2, math.pi / 2, 33), _turn(64)
     reach = max(float(np.linalg.norm(shell.contact(u))) for u in np.vstack((np.eye(3), -np.eye(3))))
     body = _round_mesh(shell, latitude, longitude, np.eye(3))

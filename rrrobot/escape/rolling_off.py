@@ -1,0 +1,334 @@
+"""Off a rock: the legs shift the centre of mass to a side until the belly rolls over its edge.
+
+On a boulder of radius R a flat belly rests where its centre of mass, h above it and c to the side,
+is over the contact: the place of that on the belly is about c R / (R - h). Where it comes to the
+belly's edge the robot tips over, about an edge that is rounded, and goes on until something of it
+reaches the floor, it slides off, or the rock pushes no longer. A round belly rolls on by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from rrrobot.belly.clearance import clearances
+from rrrobot.belly.feasible import feasibility
+from rrrobot.belly.fit import with_shell
+from rrrobot.belly.found import Belly
+from rrrobot.belly.placed import touches
+from rrrobot.belly.posture import reaching_posture
+from rrrobot.checks import Array, finite
+from rrrobot.contact.boulder import Boulder
+from rrrobot.contact.ground import normals
+from rrrobot.contact.shells import FlatBelly
+from rrrobot.contact.surfaces import Ellipsoid
+from rrrobot.drive.damping import Damping
+from rrrobot.drive.gaits import CallableGait, Gait
+from rrrobot.drive.moves import LegMoves, Straight
+from rrrobot.drive.tables import gait_from_dict
+from rrrobot.errors import ModelError, SimulationError, SimulationInterrupted
+from rrrobot.escape.goals import Escape, goal_of
+from rrrobot.escape.limits import EscapeLimits, JointEnds
+from rrrobot.models.base import Model
+from rrrobot.models.full import FullModel
+from rrrobot.robot.chains import leg_chains
+from rrrobot.robot.joints import JointIndex
+from rrrobot.simulation.events import Event, Snapshot, lift_off
+from rrrobot.simulation.run import simulate
+from rrrobot.simulation.trajectory import Trajectory
+
+EDGE = 0.01
+"""Radius of a belly's edge [m]."""
+_ROOM = 0.01
+_SHORTEST = 0.5
+"""Of the legs' move [s]."""
+_LOOKED, _APART = 60, 0.002
+"""Instants at which links are looked at before anything is simulated; their distance [m]."""
+_FALL, _SAMPLE = 5.0, 0.005
+_ASIDE = np.deg2rad(60.0)
+_FLOOR, _ROCK, _SLIDE, _LEFT = "floor", "rock", "slide", "lift-off"
+_GONE = (_FLOOR, _SLIDE, _LEFT)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class RollOff:
+    """How a robot gets off a rock, or why it does not.
+
+    Attributes:
+        goal: the side.
+        drive: of the legs, from the belly's posture to the one that leans.
+        shift: of the centre of mass to that side by the legs [m].
+        met: whether the robot goes over, to that side, within the limits until it does.
+        reason: why not, empty if it does.
+        ended: what ended it: "floor", "slide" (more friction would be needed than there is),
+            "lift-off", ...
+        link: that reaches the floor, if one does.
+        over: when the belly is at its edge [s]; NaN if it never is.
+        friction: largest coefficient needed until then.
+        trajectory: all of it, at rest first.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> belly = rr.fit_belly("anymal", ground=rr.Boulder(0.2))  # doctest: +SKIP
+        >>> rr.unstick(belly, goals=["off:90"], floor=0.6).off["off:90"].ended  # doctest: +SKIP
+        'slide'
+    """
+
+    goal: Escape
+    drive: LegMoves
+    shift: float
+    met: bool
+    reason: str
+    ended: str
+    link: str
+    over: float
+    friction: float
+    trajectory: Trajectory = field(repr=False)
+
+    @property
+    def duration(self) -> float:
+        """Of all of it [s]."""
+        return float(self.trajectory.time[-1])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Everything but the trajectory as plain data."""
+        return {
+            "goal": self.goal.to_dict(), "drive": self.drive.to_dict(), "shift": self.shift,
+            "met": self.met, "reason": self.reason, "ended": self.ended, "link": self.link,
+            "over": self.over, "friction": self.friction, "duration": self.duration,
+        }  # fmt: skip
+
+    def __repr__(self) -> str:
+        told = f"{self.ended} {self.link}".strip() if self.met else f"NOT MET: {self.reason}"
+        return f"RollOff({self.goal.name}: {self.duration:.3g} s, {told})"
+
+
+def roll_off(
+    belly: Belly, goal: Escape, limits: EscapeLimits, ends: JointEnds, *,
+    damping: Damping | float | None, floor: float | None = None,
+) -> RollOff:  # fmt: skip
+    """Shift the centre of mass to a side, and see what comes of it.
+
+    Args:
+        belly: on a boulder.
+        goal: one that leans.
+        limits: that hold until the belly is at its edge.
+        ends: of the joints.
+        damping: of the rocking.
+        floor: height of the boulder's top over the floor [m]; its radius unless given.
+
+    Raises:
+        ModelError: the ground is no boulder.
+    """
+    ground = belly.ground
+    if not isinstance(ground, Boulder) or ground.radius <= 0:
+        raise ModelError(f"{goal.name} needs a rock: the ground is {ground!r}, not a Boulder.")
+    depth = finite("floor", ground.radius if floor is None else floor, "m", above=0)
+    side = np.array(goal.weights[:2])
+    azimuth = float(np.arctan2(side[1], side[0]))
+    tilt = np.linspace(0.0, belly.rolling_range.at(azimuth), 4)
+    at = touches(belly.shell, belly.center, ground, tilt, np.full(4, azimuth))
+    lean = reaching_posture(belly.shapes, at, belly.posture, side, _ROOM, frozenset(belly.covered))
+    shift = float((_mass_center(belly, lean) - _mass_center(belly, belly.posture))[:2] @ side)
+    drive = _way(belly, lean, limits.use * ends.velocity)
+    model = FullModel(belly.robot, ground=ground, damping=damping)
+    watch = _watch(belly, depth)
+    rest = np.zeros(3) if belly.rest is None else belly.rest
+    q = model.configuration(model.make_pose(rest, np.zeros(2)), belly.posture)
+    if (low := _heights(belly, q)).min() < -depth:
+        link = belly.shapes.pieces[int(np.argmin(low))].link
+        raise ModelError(
+            f"{link} reaches the floor, {depth:g} m below the top of the rock: the robot does not "
+            "hang on it. Give a higher floor=, or a posture with the legs up."
+        )
+    run, said = _until(model, drive, drive.duration + _FALL, watch, euler=rest, start="rest")
+    own = feasibility(run, replace(limits, tilt=np.pi).of(run.robot.mass * run.gravity),
+                      belly=belly)  # fmt: skip
+    over, ended = float("nan"), said
+    if isinstance(belly.shell, FlatBelly) and "edge of the flat belly" in said:
+        over = float(run.time[-1])
+        run, ended = _tipped(belly, model, drive, run, [*watch, _slide(limits.friction)])
+    elif said in _GONE:
+        over = float(run.time[-1])
+    link = _lowest(belly, run, depth) if ended == _FLOOR else ""
+    reason = _reason(belly, run, side, shift, ended, [str(v) for v in own.violations])
+    return RollOff(
+        goal=goal, drive=drive, shift=shift, met=not reason, reason=reason, ended=ended, link=link,
+        over=over, friction=own.peak_friction, trajectory=run,
+    )  # fmt: skip
+
+
+def _way(belly: Belly, end: Array, rate: Array) -> LegMoves:
+    """The legs' move to a posture: all at once, or limb by limb where they would touch."""
+    ways = []
+    for limbs in (
+        (tuple(range(end.size)),),
+        leg_chains(belly.robot),
+        leg_chains(belly.robot)[::-1],
+    ):
+        at, moves = belly.posture, []
+        for limb in limbs:
+            to = at.copy()
+            to[list(limb)] = end[list(limb)]
+            duration = max(_SHORTEST, float((2.0 * np.abs(to - at) / rate).max()))
+            moves.append(Straight(start=at, end=to, duration=duration))
+            at = to
+        ways.append(LegMoves(moves))
+    apart = []
+    for way in ways:
+        q = np.tile(pin.neutral(belly.robot.model), (_LOOKED, 1))
+        index = JointIndex(belly.robot.model, belly.robot.legs)
+        for row, angle in zip(q, way(np.linspace(0, way.duration, _LOOKED)).angle, strict=True):
+            index.write(row, angle)
+        apart.append(float(clearances(belly.shapes, q, belly.ground).between.min()))
+        if apart[-1] > _APART:
+            return way
+    return ways[int(np.argmax(apart))]
+
+
+def _mass_center(belly: Belly, leg_angle: Array) -> Array:
+    model = belly.robot.model
+    q = pin.neutral(model)
+    JointIndex(model, belly.robot.legs).write(q, leg_angle)
+    return np.array(pin.centerOfMass(model, model.createData(), q))
+
+
+def _until(
+    model: Model, drive: Gait, duration: float, events: Sequence[Event], **start: Any
+) -> tuple[Trajectory, str]:
+    """A run until something ends it, and what that was; empty if nothing did."""
+    try:
+        run = simulate(model, drive, duration, _SAMPLE, events=events, **start)
+    except SimulationInterrupted:
+        raise
+    except SimulationError as error:
+        if error.trajectory is None:
+            raise
+        return error.trajectory, str(error).partition(". State")[0]
+    return run, run.events[-1].name if run.time[-1] < duration * (1 - 1e-9) else ""
+
+
+def _tipped(
+    belly: Belly, model: Model, drive: Gait, run: Trajectory, watch: Sequence[Event]
+) -> tuple[Trajectory, str]:
+    """A run to a flat belly's edge, and how it goes on about that edge."""
+    shell, at = belly.shell, float(run.time[-1])
+    assert isinstance(shell, FlatBelly)
+    turn = pin.Quaternion(run.configuration[-1, 3:7].copy()).toRotationMatrix()
+    arm = run.ground.point(run.position[-1]) - run.configuration[-1, :3]
+    place = turn.T @ arm
+    across = np.abs(place - belly.center)[:2] / (shell.half_length or np.inf,
+                                                 shell.half_width or np.inf)  # fmt: skip
+    along = int(np.argmin(across))
+    long = max(EDGE, (shell.half_length, shell.half_width)[along] or EDGE)
+    edge = Ellipsoid((long, EDGE, EDGE) if along == 0 else (EDGE, long, EDGE))
+    robot = with_shell(belly.robot, edge, place + np.array((0.0, 0.0, EDGE)))
+
+    def later(time: float) -> tuple[Array, Array, Array]:
+        motion = drive(at + time)
+        return motion.angle, motion.rate, motion.acceleration
+
+    gait = CallableGait(later, n_legs=robot.n_legs, check_span=(0.0, 0.1), name="leg_moves")
+    over = FullModel(robot, ground=model.ground, damping=model.damping)
+    more, said = _until(
+        over, gait, _FALL, watch, euler=run.euler[-1], start=run.euler_rates[-1],
+        position=run.position[-1],
+    )  # fmt: skip
+    arrays: dict[str, Any] = {"time": np.append(run.time, at + more.time[1:])}
+    for name, value in vars(run).items():
+        after = getattr(more, name)
+        if isinstance(value, np.ndarray) and name not in ("time", "state", "memory"):
+            arrays[name] = np.concatenate((value, after[1:]))
+    # One state stands for both: the first model's has no place for the edge.
+    still = np.zeros((len(arrays["time"]), 0))
+    return replace(run, state=still, memory=still, end=None, events=more.events, **arrays), said
+
+
+def _watch(belly: Belly, depth: float) -> list[Event]:
+    """What ends a run: something reaches the floor, a limb the rock, or the rock pushes no more."""
+    shapes, base = belly.shapes, {piece.link for piece in belly.shapes.on_joint(1)}
+    base |= set(belly.covered)
+
+    def height(at: Snapshot) -> float:
+        return float(_heights(belly, at.dynamics.q).min()) + depth
+
+    def room(at: Snapshot) -> float:
+        found = clearances(alone, at.dynamics.q[None], at.model.ground)
+        limbs = [i for i, link in enumerate(found.links) if link not in base]
+        return float(found.ground[0, limbs].min(initial=1.0))
+
+    # Without pairs: links were looked at before.
+    alone = replace(shapes)
+    alone.__dict__["pairs"] = []
+    return [Event(height, True, -1, _FLOOR), Event(room, True, -1, _ROCK), lift_off()]
+
+
+def _slide(friction: float) -> Event:
+    """The contact needs more friction than the rock offers."""
+
+    def left(at: Snapshot) -> float:
+        normal = normals(at.model.ground, at.position[None])[0]
+        force = np.asarray(at.dynamics.contact_force)
+        along = float(force @ normal)
+        return friction * along - float(np.linalg.norm(force - along * normal))
+
+    return Event(left, True, -1, _SLIDE)
+
+
+def _heights(belly: Belly, q: Array) -> Array:
+    """Heights of the pieces over the boulder's top (pieces,) [m]."""
+    own, data = belly.robot.model, belly.robot.model.createData()
+    pin.forwardKinematics(own, data, q)
+    return np.array([
+        float((piece.points @ data.oMi[piece.joint].rotation[2]).min())
+        + data.oMi[piece.joint].translation[2] - piece.radius
+        for piece in belly.shapes.pieces
+    ])  # fmt: skip
+
+
+def _lowest(belly: Belly, run: Trajectory, depth: float) -> str:
+    heights = _heights(belly, run.configuration[-1])
+    return belly.shapes.pieces[int(np.argmin(heights))].link
+
+
+def _reason(
+    belly: Belly, run: Trajectory, side: Array, shift: float, ended: str, broken: list[str]
+) -> str:
+    """Why a robot did not get off to a side; empty if it did."""
+    if broken:
+        return f"on the way {'; '.join(broken)}"
+    if ended in _GONE:
+        # The base's z axis leans to where it fell.
+        turn = pin.Quaternion(run.configuration[-1, 3:7].copy()).toRotationMatrix()
+        lean = -turn[2, :2]
+        went = float(np.arccos(np.clip(lean @ side / max(np.linalg.norm(lean), 1e-12), -1, 1)))
+        if went <= _ASIDE:
+            return ""
+        return f"it goes over {np.rad2deg(went):.0f} deg away from that side"
+    if ended == _ROCK:
+        return "a limb touches the rock on the way: legs higher with posture=, or a smaller rock"
+    if ended:
+        return ended
+    last = run.ground.point(run.position[-1]) - run.configuration[-1, :3]
+    turn = pin.Quaternion(run.configuration[-1, 3:7].copy()).toRotationMatrix()
+    place = float((turn.T @ last - belly.center)[:2] @ side)
+    return (
+        f"the legs move the centre of mass {1000 * shift:.0f} mm to that side, which rolls the "
+        f"belly {1000 * place:.0f} mm, and it stays on the rock: a smaller rock would let it go"
+    )
+
+
+def way_of(entry: Mapping[str, Any], run: Path) -> RollOff:
+    """The way of `to_dict`, with the trajectory that a file holds."""
+    drive: Any = gait_from_dict(entry["drive"])
+    numbers = {key: entry[key] for key in ("shift", "met", "reason", "ended", "link", "friction")}
+    over = float("nan") if entry["over"] is None else float(entry["over"])
+    return RollOff(
+        goal=goal_of(entry["goal"]["name"]), drive=drive, over=over,
+        trajectory=Trajectory.load(run), **numbers,
+    )  # fmt: skip

@@ -1,0 +1,78 @@
+"""Off a rock: a board with a heavy arm that leans over the belly's edge."""
+
+import numpy as np
+import pytest
+
+import rrrobot as rr
+from rrrobot.escape.goals import goal_of
+from rrrobot.escape.limits import EscapeLimits, joint_ends
+from rrrobot.escape.rolling_off import roll_off, way_of
+from tests.test_belly import BALL, HEIGHT, LENGTH, MASS, WIDTH, joint, link
+
+ARM, RADIUS = 2.0, 0.25
+LIMITS = EscapeLimits(friction=0.6)
+
+
+def crane_of(reach):
+    x, y, z = (MASS / 12 * np.array((LENGTH, WIDTH, HEIGHT)) ** 2).tolist()
+    base = link("base", MASS, (y + z, x + z, x + y), f'<box size="{LENGTH} {WIDTH} {HEIGHT}"/>')
+    arm = link("arm", ARM, (1e-3,) * 3, f'<sphere radius="{BALL}"/>', (0, 0, reach))
+    hip = joint("hip", "arm", (0, 0, HEIGHT / 2 + 0.05), axis="1 0 0", limits=(-1.0, 1.0))
+    robot = rr.Robot.from_urdf(f'<robot name="crane">{base}{arm}{hip}</robot>',
+                               shell=rr.Sphere(1.0))  # fmt: skip
+    return rr.fit_belly(robot, ground=rr.Boulder(RADIUS), posture=(0.0,))
+
+
+@pytest.fixture(scope="module")
+def crane():
+    return crane_of(0.15)
+
+
+def off(belly, goal, **options):
+    ends = joint_ends(belly.robot)._replace(velocity=np.array((3.0,)))
+    return roll_off(belly, goal_of(goal), LIMITS, ends, damping=0.3, **{"floor": 1.0, **options})
+
+
+def test_a_robot_leans_over_the_edge_and_slides_off_to_that_side(crane, tmp_path):
+    way = off(crane, "off:90")
+    assert way.met and way.ended == "slide" and way.reason == ""
+    # The arm goes to the end of its range, less what is kept there.
+    most = ARM * 0.15 / (ARM + MASS) * np.sin(1.0)
+    assert 0.9 * most < way.shift < most
+    run = way.trajectory
+    assert 0 < way.over < way.duration and way.friction <= LIMITS.friction
+    # Over the edge it goes on without a jump of place, velocity or leg.
+    assert np.diff(run.time).min() > 0 and run.slip.max() < 1e-9
+    at = int(np.searchsorted(run.time, way.over))
+    jump = run.velocity[at + 1] - run.velocity[at]
+    assert np.abs(jump).max() < 0.2 and np.abs(np.diff(run.configuration, axis=0)).max() < 0.1
+    # It falls to the left, where it needs just the friction that there is.
+    assert np.rad2deg(run.euler[-1, 0]) < -20 and run.position[-1, 1] > 0.05
+    needed = run.required_friction
+    assert needed[at + 1 :].max() <= LIMITS.friction * (1 + 1e-6)
+    assert needed[-1] == pytest.approx(LIMITS.friction, rel=1e-2)
+    run.save(tmp_path / "run.npz")
+    again = way_of(way.to_dict(), tmp_path / "run.npz")
+    assert again.to_dict() == way.to_dict()
+
+
+def test_what_does_not_go_off_says_why(crane):
+    assert "deg away from that side" in off(crane, "off:0").reason
+    with pytest.raises(rr.ParameterError, match=r"floor is -0\.1 m"):
+        off(crane, "off:90", floor=-0.1)
+    level = rr.fit_belly(crane.robot, posture=(0.0,))
+    with pytest.raises(rr.ModelError, match="off:90 needs a rock: the ground is Plane"):
+        off(level, "off:90")
+
+
+def test_the_rock_holds_a_robot_whose_legs_reach_less_far():
+    belly = crane_of(0.1)
+    way = off(belly, "off:90")
+    assert not way.met and "it stays on the rock" in way.reason and np.isnan(way.over)
+    # c R / (R - h), in an arc: the centre of mass comes to stand over the contact.
+    run, turn = way.trajectory, float(way.drive(9.0).angle[0])
+    height = (MASS * HEIGHT / 2 + ARM * (HEIGHT + 0.05 + 0.1 * np.cos(turn))) / (ARM + MASS)
+    tilt = np.arcsin(run.position[-1, 1] / RADIUS)
+    lever = way.shift * np.cos(tilt) + height * np.sin(tilt)
+    place = RADIUS * tilt
+    assert lever == pytest.approx(place * np.cos(tilt), abs=1e-3)
