@@ -8,11 +8,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rrrobot.orbits.branches import Branch
-    from rrrobot.simulation.trajectory import Trajectory
-    from rrrobot.steering.plans import Plan
-
-
+# What an error carries is of rooms that stand above this one, which it does not name.
+Carried = Any
 _LONGEST = 2000
 """Characters of a message; a file's or a user's own words may be longer than anybody reads."""
 
@@ -82,7 +79,7 @@ class SimulationError(RRRobotError, RuntimeError):
     Attributes:
         time: time of the stop [s].
         state: the model's state vector at that time.
-        trajectory: all samples up to the stop, or None if there are none.
+        trajectory: a `Trajectory` of all samples up to the stop, or None if there are none.
     """
 
     def __init__(
@@ -91,7 +88,7 @@ class SimulationError(RRRobotError, RuntimeError):
         *,
         time: float,
         state: object = None,
-        trajectory: Trajectory | None = None,
+        trajectory: Carried = None,
     ) -> None:
         super().__init__(message)
         self.time = time
@@ -134,9 +131,9 @@ class SweepError(OutputError, RuntimeError):
 
 
 class BranchInterrupted(RRRobotError, RuntimeError, KeyboardInterrupt):
-    """Ctrl-C while a branch was followed; `branch` holds its points so far."""
+    """Ctrl-C while a branch was followed; `branch`, a `Branch`, holds its points so far."""
 
-    def __init__(self, message: str, branch: Branch | None = None) -> None:
+    def __init__(self, message: str, branch: Carried = None) -> None:
         super().__init__(message)
         self.branch = branch
 
@@ -148,10 +145,10 @@ class PlanError(RRRobotError, RuntimeError):
     """No plan was found.
 
     Attributes:
-        nearest: the plan that ends nearest to the goal, or None if there is none.
+        nearest: the `Plan` that ends nearest to the goal, or None if there is none.
     """
 
-    def __init__(self, message: str, *, nearest: Plan | None = None) -> None:
+    def __init__(self, message: str, *, nearest: Carried = None) -> None:
         super().__init__(message)
         self.nearest = nearest
 

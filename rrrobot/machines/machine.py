@@ -249,7 +249,7 @@ class Machine:
                 f"the {self.name} stopped at t = {run.time:.6g} s: {run.stop}.",
                 time=run.time,
                 state=run.state,
-                trajectory=history,  # type: ignore[arg-type]
+                trajectory=history,
             )
         return history
 
