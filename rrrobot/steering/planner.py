@@ -69,8 +69,8 @@ def plan(
             see `Plan.demands`. None are checked unless given. The gaits are
             chosen from those that keep them when settled.
         max_power: of all motors together, at any instant of the run [W]; any unless given.
-        minimise: "time", or "effort": the work of the motors, by the settled gaits' power; neither
-            is proven the least.
+        minimise: "time", or "effort": the work of the motors, by the settled gaits' power, and
+            never more than that of the quick plan; neither is proven the least.
         on: "full": the plan is exact on `model`; "decoupled": on the single-axis models, recombined
             and modulated, as the paper proposes. What that costs shows when it is executed. Of
             obstacles only the coarse plan then keeps clear.
@@ -127,6 +127,7 @@ def plan(
     by = _apart(model, motions) if on == "decoupled" else model
     limited = limits is not None or max_power is not None
     found = Found(None, None, "no gait of the robot keeps the limits", False)
+    arriving: list[Plan] = []
     for gaits in within(model, motions, limits, max_power) if limited else (motions,):
         for few, cost in _choices(model, gaits, minimise):
             search = Search(
@@ -135,7 +136,9 @@ def plan(
             )  # fmt: skip
             found = search.run(stops, tolerance, longest)
             if found.plan is not None:
-                return found.plan
+                arriving.append(found.plan)
+        if arriving:
+            return arriving[0] if len(arriving) == 1 else min(arriving, key=_work)
         if not found.too_hard:
             break
     raise PlanError(_told(stops[-1], found), nearest=found.nearest)
@@ -149,6 +152,10 @@ def _choices(model: Model, motions: Motions, minimise: str) -> Iterator[tuple[Mo
         yield few, settled(model, few)["power"]
     few = corners(motions, most=10)
     yield few, np.ones(few.offset.size)
+
+
+def _work(found: Plan) -> float:
+    return found.demands().work
 
 
 def _told(goal: Array, found: Found) -> str:
