@@ -56,8 +56,11 @@ def plot_cycle(cycle: LimitCycle, kind: str = "all", ax: Axes | None = None) -> 
 
 
 def _angles(cycle: LimitCycle, ax: Axes) -> None:
-    angles = np.rad2deg(np.unwrap(cycle.found.sight.angles[0], axis=0))
-    time = np.arange(len(angles)) / len(angles) * cycle.period
+    angles = np.unwrap(cycle.found.sight.angles[0], axis=0)
+    # The end is the start, turned.
+    end = np.where(np.isfinite(cycle.mean), angles[0] + (0.0, 0.0, cycle.turn), np.nan)
+    angles = np.rad2deg(np.vstack((angles, end)))
+    time = np.linspace(0.0, cycle.period, len(angles))
     for i, name in enumerate(("roll", "pitch", "yaw")):
         ax.plot(time, angles[:, i], label=name, **line(i))
     tidy(ax, "time in the cycle [s]", "angle [deg]")

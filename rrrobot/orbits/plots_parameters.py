@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
+from rrrobot.checks import Array
 from rrrobot.drawing import COLOURS, FONT, legend_above, new_axes, tidy
 from rrrobot.errors import ParameterError
 from rrrobot.inline import html_table
@@ -31,6 +34,8 @@ def plot_effects(found: Sensitivities, output: str, unit: str, ax: Axes | None, 
     return ax
 
 
+_FINE = 12
+"""Parts of an interval of a branch that are drawn."""
 _MARKS = {"fold": "s", "period doubling": "D", "torus": "o", "branch point": "^"}
 
 
@@ -45,12 +50,14 @@ def plot_branch(branch: Branch, output: str, ax: Axes | None) -> Any:
     ax = ax or new_axes()
     value, height = branch.value, data[output].values
     stable = branch.stable
-    for i in range(len(value) - 1):
-        both = stable[i] and stable[i + 1]
-        ax.plot(
-            value[i : i + 2], height[i : i + 2], color=COLOURS[0] if both else COLOURS[1],
-            linestyle="-" if both else (0, (4, 1.5)), linewidth=1.4,
-        )  # fmt: skip
+    holds = stable[:-1] & stable[1:]
+    for both, colour, dash, words in (
+        (True, COLOURS[0], "-", "stable"), (False, COLOURS[1], (0, (4, 1.5)), "unstable"),
+    ):  # fmt: skip
+        for i, (x, y) in enumerate(_runs(value, height, holds == both)):
+            ax.plot(
+                x, y, color=colour, linestyle=dash, linewidth=1.4, label=None if i else words
+            )  # fmt: skip
     shown = set()
     for kind, i in branch.special:
         label = None if kind in shown else kind
@@ -59,7 +66,7 @@ def plot_branch(branch: Branch, output: str, ax: Axes | None) -> Any:
     unit = data[output].attrs.get("units", "")
     name = output.replace("_", " ")
     tidy(ax, f"{branch.parameter.replace('_', ' ')} [{branch.unit}]", f"{name} [{unit}]")
-    if shown:
+    if shown or not holds.all():
         legend_above(ax)
     return ax
 
@@ -75,3 +82,22 @@ def branch_html(branch: Branch) -> str:
     }
     picture = plot_branch(branch, "speed", None).figure
     return html_table("Branch of limit cycles", rows, figure=picture)
+
+
+def _runs(x: Array, y: Array, wanted: NDArray[np.bool_]) -> Iterator[tuple[Array, Array]]:
+    """Smooth curves through the points of a branch, of the intervals (n - 1,) that are wanted.
+
+    Akima's interpolation over the chord's length, which does not swing beyond the points.
+    """
+    size = [np.ptp(part) or 1.0 for part in (x, y)]
+    chord = np.hypot(np.diff(x) / size[0], np.diff(y) / size[1])
+    s = np.concatenate(([0.0], np.cumsum(np.maximum(chord, 1e-12))))
+    from scipy.interpolate import Akima1DInterpolator, make_interp_spline
+
+    points = np.column_stack((x, y))
+    through = Akima1DInterpolator(s, points) if len(s) > 3 else make_interp_spline(s, points, k=1)
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], wanted, [False])).astype(int)))
+    for first, last in edges.reshape(-1, 2):
+        fine = np.linspace(0.0, 1.0, _FINE + 1)[:-1]
+        at = (s[first:last, None] + np.diff(s[first : last + 1])[:, None] * fine).ravel()
+        yield tuple(np.asarray(through(np.append(at, s[last]))).T)
