@@ -89,6 +89,8 @@ def _runs(x: Array, y: Array, wanted: NDArray[np.bool_]) -> Iterator[tuple[Array
 
     Akima's interpolation over the chord's length, which does not swing beyond the points.
     """
+    if len(x) < 2:
+        return
     size = [np.ptp(part) or 1.0 for part in (x, y)]
     chord = np.hypot(np.diff(x) / size[0], np.diff(y) / size[1])
     s = np.concatenate(([0.0], np.cumsum(np.maximum(chord, 1e-12))))
