@@ -67,12 +67,14 @@ def table(results: dict[str, Any]) -> str:
     """The table of the page, in Markdown."""
     lines = [
         "| robot | joints | mass [kg] | belly | dome [mm] | forward [mm/s] | turn [deg/s] | "
-        "friction | torque of limit | clearance [mm] | KKT and engine |",
-        "|---|---|---|---|---|---|---|---|---|---|---|",
+        "friction | torque of limit | clearance [mm] | KKT and engine | search [s] |",
+        "|---|---|---|---|---|---|---|---|---|---|---|---|",
     ]
-    for name, row in results.items():
+    order = [*UNSTICK, *GENERATED]
+    for name in sorted(results, key=order.index):
+        row = results[name]
         if "goals" not in row:
-            lines.append(f"| {name} | | | {row['reason']} | | | | | | | |")
+            lines.append(f"| {name} | | | {row['reason']} | | | | | | | | |")
             continue
         ahead, turn = (row["goals"].get(goal, {}) for goal in GOALS)
         both = [entry for entry in (ahead, turn) if entry.get("met")]
@@ -85,6 +87,7 @@ def table(results: dict[str, Any]) -> str:
             f"{100 * max(share):.0f} %" if share else "no limit" if both else "",
             f"{1000 * min(e['clearance'] for e in both):.0f}" if both else "",
             f"{max(e['discrepancy'] for e in both):.0e}" if both else "",
+            f"{row['seconds']:.0f}" if both else "",
         ]  # fmt: skip
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
@@ -98,9 +101,11 @@ def reasons(results: dict[str, Any]) -> str:
     """Why there is no gait, where there is none."""
     lines = []
     for name, row in results.items():
+        whys: dict[str, list[str]] = {}
         for goal, entry in row.get("goals", {}).items():
             if not entry.get("met"):
-                lines.append(f"- {name}, {goal}: {entry['reason']}")
+                whys.setdefault(entry["reason"], []).append(goal)
+        lines += [f"- {name}, {' and '.join(goals)}: {why}" for why, goals in whys.items()]
     return "\n".join(lines) or "- every goal of every robot above has a feasible gait."
 
 
