@@ -25,7 +25,8 @@ from rrrobot.models.pivoting import PivotingModel
 from rrrobot.models.single_axis import PitchModel, RollModel, YawModel
 from rrrobot.reduction.checks import controllability, reducibility
 from rrrobot.reduction.connection import Connection
-from rrrobot.reduction.cycles import PER, OptimalCycle, optimal_cycle
+from rrrobot.reduction.cycles import OptimalCycle, optimal_cycle
+from rrrobot.reduction.paths import PER
 from rrrobot.reduction.yaw import METHODS, net_yaw
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.run import simulate

@@ -3,6 +3,7 @@ from rrrobot.figures.comparison import path_panel as path_panel
 from rrrobot.figures.comparison import rolling_shell as rolling_shell
 from rrrobot.figures.comparison import single_axis as single_axis
 from rrrobot.figures.fronts import pareto as pareto
+from rrrobot.figures.machines import curvature_maps as curvature_maps
 from rrrobot.figures.maps import amplitudes as amplitudes
 from rrrobot.figures.maps import inverse as inverse
 from rrrobot.figures.maps import modulation as modulation

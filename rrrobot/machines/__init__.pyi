@@ -1,5 +1,7 @@
 from rrrobot.machines.catalog import all_names as all_names
 from rrrobot.machines.catalog import by_name as by_name
+from rrrobot.machines.cycles import MachineCycle as MachineCycle
+from rrrobot.machines.cycles import optimal_cycle as optimal_cycle
 from rrrobot.machines.driven import pendulum_ball as pendulum_ball
 from rrrobot.machines.driven import rotor_ball as rotor_ball
 from rrrobot.machines.driven import sphericle as sphericle

@@ -129,20 +129,27 @@ class Reduction:
         The derivatives are central differences of order six, good to about 1e-11.
         """
         r = vector("shape", shape, self.model.n_shape)
+        unit = np.eye(self.model.n_shape)
+        return self._flux(r, unit[first], unit[second])
 
-        def slope(along: int, column: int) -> Array:
-            step, total = 5e-3, np.zeros(self._base.size)
+    def _flux(self, r: Array, one: Array, two: Array) -> Array:
+        """DA (nb,) of two directions in shape (n,)."""
+
+        def slope(along: Array, other: Array) -> Array:
+            size = float(np.linalg.norm(along))
+            if size == 0:
+                return np.zeros(self._base.size)
+            step, total = 5e-3 / size, np.zeros(self._base.size)
             for k, weight in _STENCIL:
                 for sign in (1, -1):
-                    moved = r.copy()
-                    moved[along] += sign * k * step
-                    total += sign * weight / step * self.connection(moved)[:, column]
+                    there = self.connection(r + sign * k * step * along)
+                    total += sign * weight / step * (there @ other)
             return total
 
         A = self.connection(r)
         n = self.model.n_base
-        flat = slope(first, second) - slope(second, first)
-        flat[:n] -= bracket(A[:n, first], A[:n, second])
+        flat = slope(one, two) - slope(two, one)
+        flat[:n] -= bracket(A[:n] @ one, A[:n] @ two)
         return flat
 
     def line(self, gait: Gait, duration: float | None = None) -> Array:
@@ -180,22 +187,22 @@ class Reduction:
         return run.states[-1][: 3 if model.planar else 7]
 
     def area(self, gait: Gait, *, loops: int = 12) -> Array:
-        """The same from the curvature: Stokes' theorem, ordered, for a closed gait of two motors.
+        """The same from the curvature: Stokes' theorem, ordered, for a closed gait.
 
         The loops r_s = r(0) + s (r - r(0)), s from 0 to 1, grow from a point to the gait. With
         g_s(t) the motion along one, its net motion G changes with s by
 
-            dG/ds = W G,   W = - integral of Ad_g_s(t) DA (d_s r_1 d_t r_2 - d_s r_2 d_t r_1) dt
+            dG/ds = W G,   W = - integral of Ad_g_s(t) DA(d_s r, d_t r) dt
 
         which for a plane body's turn is the plain area integral of -DA. W is taken at `loops`
         Gauss-Legendre nodes and is interpolated between them. Pose as of `line`.
 
         Raises:
-            ModelError: not two motors, a joint without a motor, no period, or a mixed machine.
+            ModelError: a joint without a motor, no period, or a mixed machine.
         """
         n, period = self.model.n_base, gait.period
-        if self.model.n_shape != 2 or period is None or self._base.size != n:
-            raise ModelError("area needs two motors, a gait with a period, and no other joints.")
+        if period is None or self._base.size != n:
+            raise ModelError("area needs a gait with a period, and no joints without a motor.")
         if self.kind == "mixed":
             raise ModelError(f"the {self.machine.name} is mixed: simulate it.")
         origin = gait(0.0).angle
@@ -207,9 +214,7 @@ class Reduction:
                 shape, turn = origin + scale * (motion.angle - origin), scale * motion.rate
                 xi, flux = np.zeros(6), np.zeros(6)
                 xi[place] = -self.connection(shape) @ turn
-                out = motion.angle - origin
-                swept = out[0] * turn[1] - out[1] * turn[0]
-                flux[place] = -swept * self.curvature(shape)
+                flux[place] = -self._flux(shape, motion.angle - origin, turn)
                 here = _se3(state)
                 moved = here.rotation @ xi[:3]
                 spin = quaternion_rate(state[3:7], xi[3:])

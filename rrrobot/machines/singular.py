@@ -66,3 +66,9 @@ def _held(model: Mechanism, shape: Array) -> Array:
     q = model.coordinates.to_q(model.start(None, shape))
     jacobian = model.rows(q, np.zeros(model.model.nv), 0.0, None).jacobian
     return np.delete(jacobian, model.shape_v, axis=1)
+
+
+def determinant(model: Mechanism, shape: Array) -> float | None:
+    """Of J_b at a shape (n,): it changes sign across singular shapes; None unless J_b is square."""
+    held = _held(model, shape)
+    return float(np.linalg.det(held)) if held.shape[0] == held.shape[1] else None

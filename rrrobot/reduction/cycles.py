@@ -3,23 +3,21 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from functools import partial
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from rrrobot.checks import Array, finite
 from rrrobot.drive.gaits import FourierGait
-from rrrobot.errors import ModelError, ParameterError
+from rrrobot.errors import ModelError
 from rrrobot.inline import html_table
 from rrrobot.models.single_axis import YawModel
 from rrrobot.reduction.connection import Connection, as_connection
 from rrrobot.reduction.heights import FULL_TURN, height_grid, pair_box, posture
+from rrrobot.reduction.paths import PathSearch, check_search, largest_region
 from rrrobot.reduction.yaw import net_yaw
 from rrrobot.robot.robot import Robot
-
-PER = ("cycle", "travel")
-_SAMPLES = 64
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -110,17 +108,14 @@ def optimal_cycle(
         >>> bool(0.8 < best.net_yaw / best.region_yaw <= 1)
         True
     """
-    if per not in PER:
-        raise ParameterError(f"per is {per!r}: it must be one of {', '.join(PER)}.")
-    if not isinstance(harmonics, int) or harmonics not in range(1, 21):
-        raise ParameterError(f"harmonics is {harmonics!r}: it must be a whole number 1 to 20.")
+    check_search(per, harmonics)
     omega = finite("angular_frequency", angular_frequency, "rad/s", above=0)
     connection = as_connection(source)
     pair = connection.pair(pair)
     box, base = pair_box(angle_range), posture(connection, leg_angle)
     region_yaw, middle, spread = _region(connection, pair, box, base)
-    search = _Search(connection, pair, box, base, harmonics, per, np.sign(region_yaw))
-    series = search.run(middle, spread)
+    gain = partial(_yaw, connection, list(pair), base, float(np.sign(region_yaw)))
+    series = PathSearch(gain, box, harmonics, per).run(middle, spread)
     if region_yaw < 0:
         # The other way round.
         series[1 + harmonics :] *= -1
@@ -147,8 +142,6 @@ def _region(
     connection: Connection, pair: tuple[int, int], box: Array, base: Array
 ) -> tuple[float, Array, Array]:
     """Yaw, centre (2,) and spread (2,) of the region of one sign that holds most yaw."""
-    from scipy.ndimage import label
-
     n = 121
     edges = [np.linspace(low, high, n + 1) for low, high in box]
     centers = np.array([(edge[:-1] + edge[1:]) / 2 for edge in edges])
@@ -156,21 +149,7 @@ def _region(
     first, second, heights = height_grid(
         connection, pair=pair, angle_range=inner, leg_angle=base, resolution=n
     )
-    cell = float(np.prod((box[:, 1] - box[:, 0]) / n))
-    tiny = 1e-10 * np.abs(connection.derivative(base)).max()
-    best = 0.0, np.zeros(2), np.zeros(2)
-    for sign in (1, -1):
-        labels, count = label(sign * heights > tiny)
-        for i in range(1, count + 1):
-            inside = labels == i
-            yaw = float(heights[inside].sum() * cell)
-            if abs(yaw) > abs(best[0]):
-                weight = np.abs(np.where(inside, heights, 0.0))
-                weight /= weight.sum()
-                grid = np.stack(np.meshgrid(first, second, indexing="ij"))
-                middle = np.sum(grid * weight, axis=(1, 2))
-                deviation = grid - middle[:, None, None]
-                best = yaw, middle, np.sqrt(np.sum(deviation**2 * weight, axis=(1, 2)))
+    best = largest_region(first, second, heights, 1e-10 * np.abs(connection.derivative(base)).max())
     if best[0] == 0:
         raise ModelError(
             f"the height function of legs {pair} is zero within {box.tolist()} rad: no cycle of "
@@ -179,111 +158,14 @@ def _region(
     return best
 
 
-class _Search:
-    """Sequential quadratic programming over paths that go round once, as seen from their middle.
-
-        phi(t) = middle + rho(t) (w_j cos t, w_k sin t),   rho > 0 a Fourier series
-
-    is a Fourier series with one harmonic more than rho. Free series would find paths that cross
-    themselves to wind again and again, each time for more yaw.
-    """
-
-    def __init__(
-        self,
-        connection: Connection,
-        pair: tuple[int, int],
-        box: Array,
-        base: Array,
-        harmonics: int,
-        per: str,
-        sign: float,
-    ) -> None:
-        self.connection, self.pair, self.box, self.base = connection, list(pair), box, base
-        self.harmonics, self.per, self.sign = harmonics, per, sign
-        self.scale = 1.0
-
-    def value(self, x: Array) -> tuple[float, Array]:
-        """What is minimised, with its gradient."""
-        path, rate = (np.reshape(part @ x, (-1, 2)) for part in (self.place, self.tangent))
-        points, along = np.tile(self.base, (len(path), 1)), np.zeros((len(path), self.base.size))
-        points[:, self.pair], along[:, self.pair] = path, rate
-        weight = 2 * np.pi / len(path)
-        yaw = -weight * float(np.sum(self.connection(points) * along))
-        height = self.connection.height(points, (self.pair[0], self.pair[1]))
-        normal = np.column_stack((rate[:, 1], -rate[:, 0])) * height[:, None]
-        slope = weight * self.place.T @ normal.ravel()
-        if self.per == "travel":
-            speed = np.sqrt(np.sum(rate**2, axis=1) + 1e-12)
-            travel = weight * float(speed.sum())
-            stretch = weight * self.tangent.T @ (rate / speed[:, None]).ravel()
-            yaw, slope = yaw / travel, (slope - yaw / travel * stretch) / travel
-        return -self.sign * yaw / self.scale, -self.sign * slope / self.scale
-
-    def run(self, middle: Array, spread: Array) -> Array:
-        """The best series (1 + 2 harmonics, 2), rows 1, cos, sin."""
-        from scipy.optimize import minimize
-
-        room = np.minimum(middle - self.box[:, 0], self.box[:, 1] - middle)
-        width = np.minimum(1.2 * spread, 0.95 * room)
-        self.place, self.tangent, round_about = _polar(width, _SAMPLES, self.harmonics)
-        start = np.zeros(self.place.shape[1])
-        start[:2], start[2] = middle, 1.0
-        self.scale = abs(self.value(start)[0]) or 1.0
-        # Both legs within limits at all samples, and rho above zero: linear in the coefficients.
-        matrix = np.vstack((self.place, -self.place, round_about))
-        low, high = (np.tile(side, _SAMPLES) for side in self.box.T)
-        bound = np.concatenate((low, -high, np.full(_SAMPLES, 0.05)))
-        constraint: Any = {
-            "type": "ineq",
-            "fun": lambda x: matrix @ x - bound,
-            "jac": lambda x: matrix,
-        }
-        found = minimize(
-            self.value,
-            start,
-            jac=True,
-            method="SLSQP",
-            constraints=[constraint],
-            options={"maxiter": 100, "ftol": 1e-8},
-        )
-        if not np.all(np.isfinite(found.x)):
-            raise ModelError(f"the search for a cycle failed: {found.message}.")
-        # The samples are more than the series has terms, so this is exact.
-        path = np.reshape(self.place @ found.x, (-1, 2))
-        series = np.linalg.lstsq(_series(_SAMPLES, self.harmonics), path, rcond=None)[0]
-        return self._inside(np.asarray(series, dtype=float))
-
-    def _inside(self, series: Array) -> Array:
-        """Shrunk about the middle of the limits where the path is outside between its samples."""
-        path = _series(2048, self.harmonics) @ series
-        center, half = self.box.mean(axis=1), np.ptp(self.box, axis=1) / 2
-        factor = min(1.0, float((half / np.abs(path - center).max(axis=0)).min()) * (1 - 1e-12))
-        moved = factor * series
-        moved[0] += (1 - factor) * center
-        return moved
-
-
-def _polar(width: Array, samples: int, harmonics: int) -> tuple[Array, Array, Array]:
-    """Path and tangent (2 samples, coefficients), and rho (samples, coefficients), each linear."""
-    t = 2 * np.pi * np.arange(samples) / samples
-    rho = _series(samples, harmonics - 1)
-    j = np.arange(1, harmonics)
-    slope = np.hstack((0 * t[:, None], -j * np.sin(np.outer(t, j)), j * np.cos(np.outer(t, j))))
-    ray = np.column_stack((np.cos(t), np.sin(t)))[:, :, None] * width[:, None]
-    turn = np.column_stack((-np.sin(t), np.cos(t)))[:, :, None] * width[:, None]
-    path = ray * rho[:, None]
-    tangent = turn * rho[:, None] + ray * slope[:, None]
-    middle = np.tile(np.eye(2), (samples, 1))
-    n = rho.shape[1]
-    return (
-        np.hstack((middle, path.reshape(-1, n))),
-        np.hstack((0 * middle, tangent.reshape(-1, n))),
-        np.hstack((np.zeros((samples, 2)), rho)),
-    )
-
-
-def _series(samples: int, harmonics: int) -> Array:
-    """Values (samples, 1 + 2 harmonics) of 1, cos j t, sin j t over one turn."""
-    t = 2 * np.pi * np.arange(samples) / samples
-    angle = np.outer(t, np.arange(1, harmonics + 1))
-    return np.hstack((np.ones((samples, 1)), np.cos(angle), np.sin(angle)))
+def _yaw(
+    connection: Connection, pair: list[int], base: Array, sign: float, path: Array, rate: Array
+) -> tuple[float, Array]:
+    """Yaw of a path (n, 2) times a sign, and its change with each of the points."""
+    points, along = np.tile(base, (len(path), 1)), np.zeros((len(path), base.size))
+    points[:, pair], along[:, pair] = path, rate
+    weight = 2 * np.pi / len(path)
+    yaw = -weight * float(np.sum(connection(points) * along))
+    height = connection.height(points, (pair[0], pair[1]))
+    normal = np.column_stack((rate[:, 1], -rate[:, 0])) * height[:, None]
+    return sign * yaw, sign * weight * normal
