@@ -6,6 +6,7 @@ from rrrobot import errors as errors
 from rrrobot import escape as escape
 from rrrobot import figures as figures
 from rrrobot import kkt as kkt
+from rrrobot import lab as lab
 from rrrobot import machines as machines
 from rrrobot import models as models
 from rrrobot import orbits as orbits
@@ -70,6 +71,7 @@ from rrrobot.errors import UrdfWarning as UrdfWarning
 from rrrobot.escape.story import unstick as unstick
 from rrrobot.kkt import kkt_build as kkt_build
 from rrrobot.kkt import kkt_solve as kkt_solve
+from rrrobot.lab.server import laboratory as laboratory
 from rrrobot.models.full import FullModel as FullModel
 from rrrobot.models.pivoting import PivotingModel as PivotingModel
 from rrrobot.models.single_axis import PitchModel as PitchModel
@@ -100,5 +102,4 @@ from rrrobot.studies.optimisation.table import GaitLimits as GaitLimits
 from rrrobot.studies.sweeps.run import sweep as sweep
 from rrrobot.view.films import record as record
 from rrrobot.view.inline import show as show
-from rrrobot.view.lab.server import laboratory as laboratory
 from rrrobot.view.viewer import Viewer as Viewer

@@ -37,6 +37,7 @@ LAYERS = (
     ("figures", "steering"),
     ("view",),
     ("escape",),
+    ("lab",),
     ("paper",),
     ("cli",),
     ("__main__",),

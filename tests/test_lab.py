@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
-from rrrobot.view.lab.outcome import settle
+from rrrobot.lab.outcome import settle
 from tests.browser import Browser, find_browser
 
 pytest.importorskip("viser")
@@ -248,7 +248,7 @@ def test_a_link_opens_the_same_state_and_code_is_shown(lab, page):
     wait_until(lambda: session.knobs == knobs and session.settled())
     alone = settle(ROBOT, knobs)
     wait_until(lambda: abs(shown(page, "speed") / alone.speed - 1) < 1e-9)
-    tab(page, "Take home")
+    tab(page, "Save")
     page.wait_for(
         "[...document.querySelectorAll('button')].some(b => b.innerText == 'Python code')"
     )

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
-from rrrobot.view.lab.excursions import driven, pushed, rocking, sent
-from rrrobot.view.lab.home import FILES, code
-from rrrobot.view.lab.knobs import Knobs
-from rrrobot.view.lab.outcome import Refusal, settle
-from rrrobot.view.lab.tabs import on_ground
+from rrrobot.lab.excursions import driven, pushed, rocking, sent
+from rrrobot.lab.home import FILES, code
+from rrrobot.lab.knobs import Knobs
+from rrrobot.lab.outcome import Refusal, settle
+from rrrobot.lab.tabs import on_ground
 
 ROBOT = rr.Robot.from_parameters()
 KNOBS = Knobs.of(ROBOT)

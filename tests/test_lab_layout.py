@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
+from rrrobot.lab.layout import framing
 from rrrobot.view.commands import FIELD_OF_VIEW
-from rrrobot.view.lab.layout import framing
 from rrrobot.view.scene import Scene
 
 SCENE = Scene(rr.Robot.from_parameters())

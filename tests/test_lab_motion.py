@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import rrrobot as rr
+from rrrobot.lab.ghosts import ghost
+from rrrobot.lab.knobs import Knobs
+from rrrobot.lab.maps import inverse, motion_map, placed
+from rrrobot.lab.motion import Screw
+from rrrobot.lab.outcome import Refusal, settle
+from rrrobot.lab.stage import triangles
 from rrrobot.view.commands import mesh
-from rrrobot.view.lab.ghosts import ghost
-from rrrobot.view.lab.knobs import Knobs
-from rrrobot.view.lab.maps import inverse, motion_map, placed
-from rrrobot.view.lab.motion import Screw
-from rrrobot.view.lab.outcome import Refusal, settle
-from rrrobot.view.lab.stage import triangles
 
 ROBOT = rr.Robot.from_parameters()
 KNOBS = Knobs.of(ROBOT)

@@ -28,7 +28,7 @@ def lab_command(robot: RobotOptions, port: int | None, no_browser: bool) -> None
     """
     made = robot.build()
     # Numba and viser load here, so that they cost nobody who does not use them.
-    from rrrobot.view.lab.server import laboratory
+    from rrrobot.lab.server import laboratory
 
     tell_of_compiling(quiet=False, alone=True)
     with laboratory(made, port=port, open_browser=not no_browser) as lab:

@@ -1,5 +1,3 @@
 from rrrobot.view.films import record as record
 from rrrobot.view.inline import show as show
-from rrrobot.view.lab.server import Laboratory as Laboratory
-from rrrobot.view.lab.server import laboratory as laboratory
 from rrrobot.view.viewer import Viewer as Viewer

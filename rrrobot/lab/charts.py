@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from rrrobot.checks import Array
+from rrrobot.lab.outcome import Outcome
 from rrrobot.simulation.trajectory import Trajectory
-from rrrobot.view.lab.outcome import Outcome
 
 COLOURS = ("#d62728", "#2ca02c", "#1f57b4", "#222222", "#9467bd", "#8c564b")
 _MOST_POINTS = 1200

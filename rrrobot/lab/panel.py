@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 
 from rrrobot.drive.gaits import gait as named_gait
+from rrrobot.lab.knobs import BODY, OVERTONES, Knobs
+from rrrobot.lab.outcome import Outcome
 from rrrobot.robot.robot import Robot
-from rrrobot.view.lab.knobs import BODY, OVERTONES, Knobs
-from rrrobot.view.lab.outcome import Outcome
 
 _UNITS = {
     "leg_mass": ("leg mass [g]", 1e3, 5.0, 150.0),
@@ -25,6 +25,8 @@ _UNITS = {
 """Label, factor, and range around the paper's values."""
 _DEG = 180 / math.pi
 _FREE = "choose a preset"
+_STRAIGHT = 1e-3
+"""Curvature of a circle of a kilometre [1/m]."""
 
 
 class Panel:
@@ -46,6 +48,7 @@ class Panel:
         """what brings each slider to where the knobs stand"""
         self._setting = False
         self._others: list[Any] = []
+        self._offered: dict[str, dict[str, Any]] = {}
 
     def gait_tab(self) -> None:
         """Presets, and each leg's sliders."""
@@ -110,6 +113,21 @@ class Panel:
         finally:
             self._setting = False
 
+    def offer(self, name: str, knobs: Knobs) -> None:
+        """One more preset, and bring all sliders there."""
+        entries = ("offset", "amplitude", "phase", "frequency")
+        self._offered[name] = {entry: getattr(knobs, entry) for entry in entries}
+        self._preset.options = (_FREE, *presets(self.robot), *self._offered)
+        self._preset.value = name
+        self._untie(knobs)
+        self.show(knobs)
+
+    def _untie(self, knobs: Knobs) -> None:
+        """Untie the legs if these knobs have them differ."""
+        if self.robot.n_legs > 1 and (len(set(knobs.offset)) > 1 or len(set(knobs.amplitude)) > 1):
+            self.tied.value = False
+            self._tie()
+
     def _slider(
         self, label: str, name: str, at: Any, factor: float, low: float, high: float, step: float
     ) -> Any:
@@ -147,14 +165,12 @@ class Panel:
             slider.visible = not self.tied.value
 
     def _choose(self, event: Any) -> None:
-        found = presets(self.robot).get(self._preset.value)
+        found = (presets(self.robot) | self._offered).get(self._preset.value)
         if event.client is None or found is None:
             return
         still = tuple((0.0,) * self.robot.n_legs for _ in OVERTONES)
         knobs = replace(self.knobs, overtone=still, overtone_phase=still, **found)
-        if self.robot.n_legs > 1 and (len(set(knobs.offset)) > 1 or len(set(knobs.amplitude)) > 1):
-            self.tied.value = False
-            self._tie()
+        self._untie(knobs)
         self.show(knobs)
         self._turned(knobs)
 
@@ -229,7 +245,7 @@ def _rows(outcome: Outcome) -> dict[str, str]:
     curvature = outcome.curvature
     if math.isinf(curvature):
         turning = "on the spot"
-    elif abs(curvature) < 1e-6:
+    elif abs(curvature) < _STRAIGHT:
         turning = "straight"
     else:
         turning = f"{curvature:.4g} /m, radius {1e3 / abs(curvature):.4g} mm"

@@ -11,10 +11,10 @@ import webbrowser
 from typing import Any
 
 from rrrobot.errors import MissingExtraError, ModelError, OutputError, ParameterError
+from rrrobot.lab.knobs import Knobs
+from rrrobot.lab.outcome import Outcome, Refusal, settle
+from rrrobot.lab.session import Session
 from rrrobot.robot.robot import Robot
-from rrrobot.view.lab.knobs import Knobs
-from rrrobot.view.lab.outcome import Outcome, Refusal, settle
-from rrrobot.view.lab.session import Session
 
 LOOPBACK = "127.0.0.1"
 

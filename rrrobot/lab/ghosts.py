@@ -7,14 +7,14 @@ from collections.abc import Callable
 from typing import Any
 
 from rrrobot.errors import RRRobotError
+from rrrobot.lab.drawing import Drawing
+from rrrobot.lab.knobs import Knobs
+from rrrobot.lab.motion import Motion, Screw
+from rrrobot.lab.outcome import LOCK, Refusal, short, steps_of
+from rrrobot.lab.player import Player
 from rrrobot.orbits.limit_cycles import limit_cycle
 from rrrobot.robot.robot import Robot
 from rrrobot.view.commands import css, material, set_mesh
-from rrrobot.view.lab.drawing import Drawing
-from rrrobot.view.lab.knobs import Knobs
-from rrrobot.view.lab.motion import Motion, Screw
-from rrrobot.view.lab.outcome import LOCK, Refusal, short, steps_of
-from rrrobot.view.lab.player import Player
 from rrrobot.view.scene import Scene
 
 GHOSTS = {

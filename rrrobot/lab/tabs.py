@@ -10,12 +10,12 @@ from typing import Any, Protocol
 import numpy as np
 
 from rrrobot.checks import Array
+from rrrobot.lab.atlas import numbers_in
+from rrrobot.lab.excursions import driven, pushed, rocking, sent
+from rrrobot.lab.home import FILES, code
+from rrrobot.lab.knobs import Knobs
+from rrrobot.lab.outcome import Outcome
 from rrrobot.robot.robot import Robot
-from rrrobot.view.lab.atlas import numbers_in
-from rrrobot.view.lab.excursions import driven, pushed, rocking, sent
-from rrrobot.view.lab.home import FILES, code
-from rrrobot.view.lab.knobs import Knobs
-from rrrobot.view.lab.outcome import Outcome
 
 _RAD = math.pi / 180
 _LINK = "lab"

@@ -17,12 +17,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.errors import GaitError, ModelError, OrbitError, RRRobotError, SimulationError
+from rrrobot.lab.knobs import Knobs
+from rrrobot.lab.motion import Motion, Screw
 from rrrobot.orbits.limit_cycles import LimitCycle, limit_cycle
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.trajectory import Trajectory
-from rrrobot.view.lab.knobs import Knobs
-from rrrobot.view.lab.motion import Motion, Screw
 
 STEPS = 36
 """Of the integrator, and samples, in a period."""

@@ -15,8 +15,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.view.lab.maps import MotionMap
-from rrrobot.view.lab.outcome import Outcome
+from rrrobot.lab.maps import MotionMap
+from rrrobot.lab.outcome import Outcome
 
 _W, _H = 340, 210
 _LEFT, _TOP, _WIDE, _HIGH = 42, 18, 280, 156

@@ -11,9 +11,9 @@ import numpy as np
 import pinocchio as pin
 
 from rrrobot.checks import Array
-from rrrobot.view.lab.motion import Motion
-from rrrobot.view.lab.outcome import Outcome
-from rrrobot.view.lab.stage import Stage, wxyz
+from rrrobot.lab.motion import Motion
+from rrrobot.lab.outcome import Outcome
+from rrrobot.lab.stage import Stage, wxyz
 from rrrobot.view.scene import Pose, Scene
 
 FPS = 30.0

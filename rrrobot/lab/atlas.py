@@ -7,11 +7,11 @@ import threading
 from collections.abc import Callable
 from typing import Any
 
+from rrrobot.lab.knobs import Knobs
+from rrrobot.lab.maps import MotionMap, inverse, map_key, mappable, motion_map, placed
+from rrrobot.lab.outcome import Outcome, Refusal
+from rrrobot.lab.pictures import Picture, map_picture, plane_picture, present
 from rrrobot.robot.robot import Robot
-from rrrobot.view.lab.knobs import Knobs
-from rrrobot.view.lab.maps import MotionMap, inverse, map_key, mappable, motion_map, placed
-from rrrobot.view.lab.outcome import Outcome, Refusal
-from rrrobot.view.lab.pictures import Picture, map_picture, plane_picture, present
 
 _REST = 0.6
 """For which the sliders must have been still [s]."""

@@ -8,17 +8,18 @@ from collections.abc import Callable
 from typing import Any
 
 from rrrobot.checks import Array
+from rrrobot.lab.atlas import Atlas
+from rrrobot.lab.charts import Charts
+from rrrobot.lab.drawing import Drawing
+from rrrobot.lab.ghosts import Ghosts
+from rrrobot.lab.knobs import Knobs
+from rrrobot.lab.layout import STYLE, dock
+from rrrobot.lab.outcome import Outcome, Refusal, settle
+from rrrobot.lab.panel import Panel, numbers
+from rrrobot.lab.player import Player
+from rrrobot.lab.searches import Searches
+from rrrobot.lab.tabs import home_tab, link_field, motions_tab
 from rrrobot.robot.robot import Robot
-from rrrobot.view.lab.atlas import Atlas
-from rrrobot.view.lab.charts import Charts
-from rrrobot.view.lab.drawing import Drawing
-from rrrobot.view.lab.ghosts import Ghosts
-from rrrobot.view.lab.knobs import Knobs
-from rrrobot.view.lab.layout import STYLE, dock
-from rrrobot.view.lab.outcome import Outcome, Refusal, settle
-from rrrobot.view.lab.panel import Panel, numbers
-from rrrobot.view.lab.player import Player
-from rrrobot.view.lab.tabs import home_tab, link_field, motions_tab
 
 _KEPT = (0.45, 0.45, 0.45)
 _LATE = 1.0
@@ -98,6 +99,7 @@ class Session:
         """End its threads."""
         self.player.close()
         self.atlas.close()
+        self._searches.close()
         with self._wake:
             self._closed = True
             self._wake.notify_all()
@@ -128,15 +130,22 @@ class Session:
             self.atlas = Atlas(gui, self.robot, self.choose, self._refuse)
         with tabs.add_tab("Motions"):
             motions_tab(gui, self)
+        with tabs.add_tab("Find"):
+            self._searches = Searches(gui, self)
         with tabs.add_tab("Plots"):
             self._charts = Charts(gui, self.robot.legs)
-        with tabs.add_tab("Take home"):
+        with tabs.add_tab("Save"):
             home_tab(gui, self)
         self._write_link = link_field(gui, self, self._url)
 
     def choose(self, knobs: Knobs) -> None:
         """Set all sliders, and ask for the motion."""
         self._panel.show(knobs)
+        self.turn(knobs)
+
+    def preset(self, name: str, knobs: Knobs) -> None:
+        """Offer a gait as a preset, and choose it."""
+        self._panel.offer(name, knobs)
         self.turn(knobs)
 
     def _view_tab(self) -> None:

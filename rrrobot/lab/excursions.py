@@ -13,12 +13,12 @@ from rrrobot.drive.gaits import Gait, StillLegs
 from rrrobot.drive.laws import MotionState
 from rrrobot.drive.torques import LegTorques
 from rrrobot.errors import RRRobotError
+from rrrobot.lab.knobs import Knobs
+from rrrobot.lab.outcome import Outcome, Refusal, forces, short
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.steering.planner import plan
-from rrrobot.view.lab.knobs import Knobs
-from rrrobot.view.lab.outcome import Outcome, Refusal, forces, short
 
 _SHORTEST, _LONGEST = 4.0, 20.0
 """Of a motion after a push [s]."""
@@ -49,7 +49,7 @@ def pushed(given: Robot, outcome: Outcome, push: Sequence[float]) -> Outcome:
         f"Pushed by {np.rad2deg(push).round(1).tolist()} deg/s about roll, pitch, yaw. Its slowest "
         f"deviation falls to 1/e in {float(np.max(cycle.settling_times)):.3g} s.",
     )
-    return _made(outcome.knobs, run, words)
+    return of_run(outcome.knobs, run, words)
 
 
 def rocking(given: Robot, knobs: Knobs, tilt: Sequence[float]) -> Outcome:
@@ -63,7 +63,7 @@ def rocking(given: Robot, knobs: Knobs, tilt: Sequence[float]) -> Outcome:
 
     roll, pitch = np.rad2deg(tilt)
     words = (f"Let go at a roll of {roll:.3g} and a pitch of {pitch:.3g} deg, the legs held.",)
-    return _made(knobs, run, words)
+    return of_run(knobs, run, words)
 
 
 def driven(
@@ -100,7 +100,7 @@ def driven(
         return simulate(model, motors, laps * period, period / _SAMPLES, progress=watch)
 
     words = (f"Driven by torques: {stiffness:g} N m/rad, {damping:g} N m s/rad.",)
-    return _made(knobs, run, words, period=period)
+    return of_run(knobs, run, words, period=period)
 
 
 def _following(gait: Gait, stiffness: float, damping: float) -> Callable[[MotionState], Array]:
@@ -125,7 +125,7 @@ def sent(given: Robot, knobs: Knobs, pose: Sequence[float]) -> Outcome:
 
     x, y, heading = pose
     words = (f"Planned to ({x:.3g}, {y:.3g}) m, heading {np.rad2deg(heading):.3g} deg.",)
-    made = _made(knobs, run, words)
+    made = of_run(knobs, run, words)
     end = made.trajectory
     off = float(np.hypot(*(end.position[-1] - np.asarray(pose[:2]))))
     turned = (end.euler[-1, 2] - heading + math.pi) % (2 * math.pi) - math.pi
@@ -133,7 +133,7 @@ def sent(given: Robot, knobs: Knobs, pose: Sequence[float]) -> Outcome:
     return replace(made, words=(*made.words, reached))
 
 
-def _made(
+def of_run(
     knobs: Knobs,
     run: Callable[[], Trajectory],
     words: tuple[str, ...],

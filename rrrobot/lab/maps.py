@@ -10,10 +10,10 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import GaitBatch
+from rrrobot.lab.knobs import Knobs
+from rrrobot.lab.outcome import Outcome, Refusal, settle
 from rrrobot.momentum.batch import RESULT, lower, steady_states
 from rrrobot.robot.robot import Robot
-from rrrobot.view.lab.knobs import Knobs
-from rrrobot.view.lab.outcome import Outcome, Refusal, settle
 
 _OFFSETS, _PHASES = 37, 36
 _CYCLES, _COUNTED, _STEPS = 38, 18, 10
@@ -53,8 +53,8 @@ def motion_map(given: Robot, knobs: Knobs) -> MotionMap:
 
     Example:
         >>> import rrrobot as rr
-        >>> from rrrobot.view.lab.knobs import Knobs
-        >>> from rrrobot.view.lab.maps import motion_map
+        >>> from rrrobot.lab.knobs import Knobs
+        >>> from rrrobot.lab.maps import motion_map
         >>> robot = rr.Robot.from_parameters()
         >>> motion_map(robot, Knobs.of(robot)).speed.shape
         (37, 36)

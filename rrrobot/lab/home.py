@@ -7,12 +7,12 @@ import tempfile
 from collections.abc import Callable
 from pathlib import Path
 
+from rrrobot.lab.knobs import BODY, Knobs
+from rrrobot.lab.outcome import Outcome
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.view.films import film_html
-from rrrobot.view.lab.knobs import BODY, Knobs
-from rrrobot.view.lab.outcome import Outcome
 
 _FILM = 20.0
 """Of a motion that repeats [s]."""
@@ -24,8 +24,8 @@ def code(given: Robot, knobs: Knobs) -> str:
 
     Example:
         >>> import rrrobot as rr
-        >>> from rrrobot.view.lab.home import code
-        >>> from rrrobot.view.lab.knobs import Knobs
+        >>> from rrrobot.lab.home import code
+        >>> from rrrobot.lab.knobs import Knobs
         >>> robot = rr.Robot.from_parameters()
         >>> print(code(robot, Knobs.of(robot)).splitlines()[0])
         import rrrobot as rr

@@ -8,11 +8,11 @@ from typing import Any
 import numpy as np
 
 from rrrobot.checks import Array
+from rrrobot.lab.layout import Framing, framing
+from rrrobot.lab.outcome import Outcome
+from rrrobot.lab.stage import Stage
 from rrrobot.view.commands import FIELD_OF_VIEW, Colour, material, ribbon_mesh, set_mesh
 from rrrobot.view.film import thin
-from rrrobot.view.lab.layout import Framing, framing
-from rrrobot.view.lab.outcome import Outcome
-from rrrobot.view.lab.stage import Stage
 from rrrobot.view.scene import Scene, View
 
 _MEAN = (0.10, 0.35, 0.75)
@@ -20,6 +20,8 @@ _MOST_POINTS = 6000
 """Of the path; a longer one is drawn more coarsely."""
 _LAYING_OUT = 3.0
 """For which a browser may still be settling where the panel is [s]."""
+_REACH = 1.5
+"""How much farther or nearer the camera must be for it to move of itself."""
 
 
 class Drawing:
@@ -39,9 +41,9 @@ class Drawing:
         self.scene: Scene | None = None
         self._staged = 0.0
         self._view: View | None = None
-        self._framed: tuple[Framing, tuple[int, int], float] | None = None
+        self._framed: tuple[Framing, tuple[int, int], float, float] | None = None
         self._hidden: dict[str, Any] = {}
-        client.camera.on_update(self._resized)
+        client.camera.on_update(self._look_again)
 
     def switch(self, paths: tuple[str, ...], box: Any) -> None:
         """Let a checkbox show and hide nodes; "axes" stands for those of the robot."""
@@ -61,6 +63,7 @@ class Drawing:
         """Draw robot, ground and paths of a motion."""
         scene = self._scene_for(outcome)
         self._draw_path(outcome, scene)
+        self._look_again(self._client.camera)
         return scene
 
     def ribbon(self, path: str, points: Array, scene: Scene, colour: Colour, lift: float) -> None:
@@ -73,26 +76,30 @@ class Drawing:
 
     def look(self) -> None:
         """Put the camera where it sees the whole path."""
-        if self._view is None:
+        view = self._view
+        if view is None:
             return
         camera = self._client.camera
         size = camera.image_width, camera.image_height
-        at = framing(self._view, np.array((0.0, 0.0, 1.0)), size)
-        self._framed = at, size, time.monotonic()
+        at = framing(view, np.array((0.0, 0.0, 1.0)), size)
+        self._framed = at, size, _away(view), time.monotonic()
         with self._client.atomic():
             camera.fov = np.deg2rad(FIELD_OF_VIEW)
             camera.up_direction = (0.0, 0.0, 1.0)
             camera.position = at.position
             camera.look_at = at.look_at
 
-    def _resized(self, camera: Any) -> None:
-        """Look again when the picture has another size, unless the person has turned the camera."""
-        if self._framed is None or self._framed[1] == (camera.image_width, camera.image_height):
+    def _look_again(self, camera: Any) -> None:
+        """Look again when picture or path have another size, unless the person moved the camera."""
+        if self._framed is None or self._view is None:
             return
-        at, _, when = self._framed
+        at, size, away, when = self._framed
+        now = camera.image_width, camera.image_height
+        if now == size and away / _REACH < _away(self._view) < away * _REACH:
+            return
         far = 1e-3 * np.linalg.norm(at.position - at.look_at)
         still = np.allclose(camera.position, at.position, rtol=0, atol=far)
-        if still or time.monotonic() - when < _LAYING_OUT:
+        if still or (now != size and time.monotonic() - when < _LAYING_OUT):
             self.look()
 
     def _scene_for(self, outcome: Outcome) -> Scene:
@@ -142,3 +149,7 @@ class Drawing:
 def _lifted(points: Array, scene: Scene) -> Array:
     """Centres of the shell over contact points (n, 2) of a plane (n, 3)."""
     return np.asarray(points @ scene.basis[:, :2].T + scene.size * scene.normal)
+
+
+def _away(view: View) -> float:
+    return float(np.linalg.norm(view.camera))

@@ -1,0 +1,2 @@
+from rrrobot.lab.server import Laboratory as Laboratory
+from rrrobot.lab.server import laboratory as laboratory
