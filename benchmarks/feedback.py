@@ -1,6 +1,6 @@
 """Feedback on robots that differ from the model, and how surely a run tells what they are.
 
-    python -m benchmarks.feedback fit|goals|eight [trials]
+    python -m benchmarks.feedback fit|goals|eight|masses [trials]
 
 Masses +-5 % (each by itself), radius +-2 %, damping +-50 %, a slope of 2 deg in any direction,
 noise of 1 mm and 0.5 deg, a delay of one cycle. Writes benchmarks/results/feedback_<what>.json
@@ -12,6 +12,7 @@ from __future__ import annotations
 import json
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -112,7 +113,21 @@ def trial_eight(seed: int) -> dict:
     return run.to_dict()
 
 
-TRIALS = {"fit": trial_fit, "goals": trial_goals, "eight": trial_eight}
+def trial_masses(seed: int) -> dict:
+    """The same eight, all masses 5 % too large or too small, each by itself, and nothing else."""
+    # Every seed below 32 another pattern of signs.
+    sign = np.array([-1.0 if 5 * seed >> k & 1 else 1.0 for k in range(5)])
+    p = rr.RRRobotParameters()
+    legs, servos, battery = 1 + 0.05 * sign[:2], 1 + 0.05 * sign[2:4], 1 + 0.05 * sign[4]
+    real = replace(
+        p, leg_mass=tuple(p.leg_mass * legs), servo_mass=tuple(p.servo_mass * servos),
+        battery_mass=float(p.battery_mass * battery),
+    )  # fmt: skip
+    run = follow(model_of(p), Track.eight(0.5), 600.0, truth=model_of(real))
+    return run.to_dict()
+
+
+TRIALS = {"masses": trial_masses, "fit": trial_fit, "goals": trial_goals, "eight": trial_eight}
 
 
 def main(what: str, n: int) -> None:

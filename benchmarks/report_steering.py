@@ -71,6 +71,14 @@ def _eights(found: dict[str, Any]) -> str:
     )
 
 
+def _masses(found: dict[str, Any]) -> str:
+    rms = 1e3 * np.array(found["rms"])
+    return (
+        f"With all masses off by 5 % and nothing else, {len(rms)} robots:\n"
+        f"{np.median(rms):.2f} mm in the median, {rms.max():.2f} mm at worst."
+    )
+
+
 def _fits(found: dict[str, Any]) -> str:
     each = found["within_two_deviations"]
     lines = ["| parameter | within two stated deviations |", "|---|---|"]
@@ -89,8 +97,8 @@ def page() -> str:
 
 Written by `python -m benchmarks.report_steering` from `benchmarks/results`. To measure anew, remove
 a file there and run `python -m benchmarks.steering`, `python -m benchmarks.feedback goals` (or
-`eight`, `fit`), `python -m benchmarks.decoupled`; each goes on from what its file holds. What is
-measured is explained in [From a wanted motion to leg motions](theory/steering.md).
+`eight`, `masses`, `fit`), `python -m benchmarks.decoupled`; each goes on from what its file holds.
+What is measured is explained in [From a wanted motion to leg motions](theory/steering.md).
 
 ## On the exact model
 
@@ -117,6 +125,8 @@ The same goals, by `reach`. Each robot's masses are off by up to 5 %, each by it
 Half a metre wide, by `follow`, on robots and slopes that differ as above, measured a cycle late.
 
 {_eights(read("feedback_eight"))}
+
+{_masses(read("feedback_masses"))}
 
 ## Which robot is it?
 
