@@ -66,7 +66,7 @@ def video(pictures: Iterator[Pixels], size: Size, fps: float) -> bytes:
         import imageio_ffmpeg
     except ImportError:
         raise MissingExtraError(
-            "an .mp4 needs ffmpeg: pip install 'rrrobot[media]', or pip install imageio-ffmpeg; "
+            "an .mp4 needs ffmpeg: pip install imageio-ffmpeg, which the extra 'media' brings; "
             ".gif, .png and .html need none."
         ) from None
     with tempfile.TemporaryDirectory() as folder:
