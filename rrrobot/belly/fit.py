@@ -326,9 +326,7 @@ class _Work:
         if reach.least == 0.0:
             text = f"{reach.link[int(np.argmin(reach.tilt))]} touches the ground at rest"
             if chosen is best:
-                text += (
-                    " in the best posture found within the joint limits: on a rock legs may hang"
-                )
+                text += " in the best posture found within the joint limits"
             said.append(text)
         return "; ".join(said)
 

@@ -21,6 +21,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rrrobot.checks import Array
+from rrrobot.contact.boulder import Boulder
+from rrrobot.contact.shells import FlatBelly
+from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
 from rrrobot.drawing import COLOURS, FONT, line, new_figure, tidy
 from rrrobot.drive.tables import gait_table, write_gait
 from rrrobot.escape.confirming import EscapeGait
@@ -38,6 +41,7 @@ _SHOWN = 6
 """Seconds of a film, at most, beside the ramp."""
 _STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:60em;margin:2em auto;padding:0 1em}"
+    "td,th{overflow-wrap:anywhere;text-align:left;vertical-align:top;padding:.1em .8em .1em 0}"
     "table{border-collapse:collapse;margin:.6em 0}h1,h2{line-height:1.2}"
     ".no{color:#BB5566;font-weight:bold}img{max-width:100%}"
 )
@@ -132,7 +136,8 @@ def report_html(found: Unstuck, *, films: bool = True) -> str:
             parts.append(_picture(png(gait_figure(gait))))
     title = f"{belly.robot.name}: ways to get free"
     return (
-        f'<!doctype html><html lang="en"><head><meta charset="utf-8"><title>{escape(title)}</title>'
+        f'<!doctype html><html lang="en"><head><meta charset="utf-8">'
+        f'<meta name="viewport" content="width=device-width"><title>{escape(title)}</title>'
         f"<style>{_STYLE}</style></head><body>{''.join(parts)}</body></html>\n"
     )
 
@@ -153,7 +158,7 @@ def _summary(found: Unstuck, *, films: bool) -> str:
             f"{best.measured['friction']:.2f}", share_text(best),
             f"{1000 * best.measured['clearance']:.0f} mm",
         ))  # fmt: skip
-    head = ("goal", "speed", "friction needed", "torque over limit", "clearance")
+    head = ("goal", "what comes of it", "friction needed", "torque over limit", "clearance")
     links = []
     if films:
         links = [
@@ -178,11 +183,27 @@ def share_text(gait: EscapeGait) -> str:
     return f"{100 * share.max():.0f} %" if share.size else "no limit in the file"
 
 
+def _sizes(shell: Surface) -> str:
+    """Radii or half lengths of a shell, in words."""
+    if isinstance(shell, FlatBelly):
+        sides = [f"{2000 * x:.0f} mm" for x in (shell.half_length, shell.half_width) if x]
+        return f", {' by '.join(sides)}" if sides else ""
+    if isinstance(shell, Sphere):
+        return f" of radius {1000 * shell.radius:.0f} mm"
+    if isinstance(shell, Ellipsoid):
+        return f" of semi-axes {', '.join(f'{1000 * a:.0f}' for a in shell.semi_axes)} mm"
+    return ""
+
+
 def _belly_rows(found: Unstuck) -> dict[str, str]:
     belly = found.belly
-    rest = "none" if belly.rest is None else ", ".join(f"{x:.2f}" for x in np.rad2deg(belly.rest))
+    rest = (
+        "none"
+        if belly.rest is None
+        else ", ".join(f"{x:.2f}" for x in np.round(np.rad2deg(belly.rest), 2) + 0.0)
+    )
     rows = {
-        "underside": f"{belly.kind}: {belly.shell!r}",
+        "underside": f"{belly.kind}: {belly.form}{_sizes(belly.shell)}",
         "largest gap of the shell": f"{1000 * belly.error:.1f} mm",
         "dome to be added": f"{1000 * belly.thickness:.1f} mm",
         "centre of mass": f"{1000 * belly.height:.0f} mm high, "
@@ -190,7 +211,9 @@ def _belly_rows(found: Unstuck) -> dict[str, str]:
         "below the centre of curvature",
         "rest: roll, pitch, yaw": f"{rest} deg",
         "rolls to": f"{np.rad2deg(belly.rolling_range.least):.1f} deg",
-        "ground": repr(belly.ground),
+        "ground": f"a boulder of radius {belly.ground.radius:g} m"
+        if isinstance(belly.ground, Boulder)
+        else repr(belly.ground),
     }
     for mode in belly.modes:
         if np.isfinite(mode.period) and mode.period < 1e3:
