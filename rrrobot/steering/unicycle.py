@@ -64,8 +64,9 @@ class Unicycle:
         >>> import numpy as np, rrrobot as rr
         >>> from rrrobot.drive.schedule import Schedule, stretch
         >>> wheel = rr.steering.Unicycle(rr.FullModel(rr.Robot.from_parameters()))
-        >>> wheel.twist(np.pi / 2, 0.3, np.pi / 2).round(4).tolist()  # the lateral gait
-        [0.0, 0.0097, 0.0]
+        >>> speed = wheel.twist(np.pi / 2, 0.3, np.pi / 2)[1]  # of the lateral gait, to the right
+        >>> round(float(speed), 4)
+        -0.0097
     """
 
     def __init__(
