@@ -41,7 +41,7 @@ _SHOWN = 6
 """Seconds of a film, at most, beside the ramp."""
 _STYLE = (
     "body{font:15px/1.5 system-ui,sans-serif;max-width:60em;margin:2em auto;padding:0 1em}"
-    "td,th{overflow-wrap:anywhere;text-align:left;vertical-align:top;padding:.1em .8em .1em 0}"
+    "td,th{overflow-wrap:break-word;text-align:left;vertical-align:top;padding:.1em .8em .1em 0}"
     "table{border-collapse:collapse;margin:.6em 0}h1,h2{line-height:1.2}"
     ".no{color:#BB5566;font-weight:bold}img{max-width:100%}"
 )
