@@ -132,7 +132,9 @@ def test_a_slider_moves_and_the_path_changes_by_the_right_amount(page, lab):
     session = latest(lab)
     before = shown(page, "speed")
     drag(page, "frequency [rad/s]", 0.25)
-    wait_until(lambda: session.settled() and shown(page, "speed") != before)
+    # The thumb may be drawn on its way too.
+    wait_until(lambda: session.settled() and session.knobs.frequency < 6.5)
+    wait_until(lambda: shown(page, "speed") == session.outcome.speed != before)
     frequency = session.knobs.frequency
     assert 4.5 < frequency < 6.5
     gait = rr.gait("circular", angular_frequency=frequency)
@@ -259,3 +261,14 @@ def test_a_link_opens_the_same_state_and_code_is_shown(lab, page):
         "document.querySelector('.rr-code').innerText"
     )
     assert not page.problems
+
+
+@pytest.mark.slow
+def test_a_notebook_s_cell_shows_the_page_within_it(lab, tmp_path):
+    cell = tmp_path / "cell.html"
+    cell.write_text(lab._repr_html_())
+    before = set(lab.sessions)
+    with Browser(SIZE, timeout=120, scale=0.25) as browser:
+        browser.open(cell.as_uri(), "document.querySelector('iframe') != null")
+        wait_until(lambda: set(lab.sessions) - before)
+        assert latest(lab).settled() and latest(lab).refusal is None

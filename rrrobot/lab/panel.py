@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import math
+import threading
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -46,7 +47,8 @@ class Panel:
         self._turned = turned
         self._read: list[Callable[[], None]] = []
         """what brings each slider to where the knobs stand"""
-        self._setting = False
+        self._lock = threading.RLock()
+        """of the knobs: viser tells of moves on several threads"""
         self._others: list[Any] = []
         self._offered: dict[str, dict[str, Any]] = {}
 
@@ -105,13 +107,10 @@ class Panel:
 
     def show(self, knobs: Knobs) -> None:
         """Bring all sliders to where the knobs stand."""
-        self.knobs = knobs
-        self._setting = True
-        try:
+        with self._lock:
+            self.knobs = knobs
             for read in self._read:
                 read()
-        finally:
-            self._setting = False
 
     def offer(self, name: str, knobs: Knobs) -> None:
         """One more preset, and bring all sliders there."""
@@ -141,24 +140,26 @@ class Panel:
         self._read.append(lambda: _assign(slider, value()))
 
         def moved(event: Any) -> None:
-            if event.client is None or self._setting:
+            if event.client is None:  # brought there by `show`
                 return
-            number = float(slider.value) / factor
-            now = getattr(self.knobs, name)
-            if name in ("offset", "amplitude") and len(now) > 1 and self.tied.value:
-                self._set(event, **{name: (number,) * len(now)})
-                self.show(self.knobs)
-            else:
-                self._set(event, **{name: _with(now, at, number)})
+            with self._lock:
+                number = float(slider.value) / factor
+                now = getattr(self.knobs, name)
+                if name in ("offset", "amplitude") and len(now) > 1 and self.tied.value:
+                    self._set(event, **{name: (number,) * len(now)})
+                    self.show(self.knobs)
+                else:
+                    self._set(event, **{name: _with(now, at, number)})
 
         slider.on_update(moved)
         return slider
 
     def _set(self, event: Any, **changes: Any) -> None:
-        if event.client is None or self._setting:
+        if event.client is None:
             return
-        self.knobs = replace(self.knobs, **changes)
-        self._turned(self.knobs)
+        with self._lock:
+            self.knobs = replace(self.knobs, **changes)
+            self._turned(self.knobs)
 
     def _tie(self) -> None:
         for slider in self._others:

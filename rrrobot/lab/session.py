@@ -212,7 +212,8 @@ class Session:
             late.cancel()
         self.refusal = None
         first = self.outcome is None
-        with self.client.atomic():
+        # The player must not draw a robot that is being replaced.
+        with self.player.lock, self.client.atomic():
             scene = self.drawing.draw(outcome)
             self._numbers.content = numbers(outcome, None)
             self._charts.show(outcome)
