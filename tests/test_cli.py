@@ -623,7 +623,9 @@ def test_command_prints_json_and_nothing_else() -> None:
 def test_command_fails_in_one_line() -> None:
     result = command("simulate", "--leg-mass=-1")
     assert (result.returncode, result.stdout) == (1, "")
-    assert result.stderr == "Error: leg_mass is -1.0 kg: it must be greater than zero and finite.\n"
+    assert (
+        result.stderr == "Error: --leg-mass is -1.0 kg: it must be greater than zero and finite.\n"
+    )
 
 
 def test_reader_that_goes_away() -> None:

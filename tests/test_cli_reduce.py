@@ -14,7 +14,7 @@ def run(*arguments):
 
 def test_prints_and_plots(tmp_path):
     target = tmp_path / "heights.png"
-    result = run("--models", "--optimal", "--limits", "0,pi", "--out", str(target))
+    result = run("--models", "--optimal", "--angle-range", "0,pi", "--out", str(target))
     assert result.exit_code == 0, result.output
     assert "-0.0129962" in result.output
     assert "yaw, gravity" in result.output and "most per travel" in result.output
@@ -22,7 +22,7 @@ def test_prints_and_plots(tmp_path):
 
 
 def test_json_with_a_plan():
-    result = run("--plan", "0.2,1.2,1.6", "--limits", "0.2,2.9", "--offset", "1.2", "--json")
+    result = run("--plan", "0.2,1.2,1.6", "--angle-range", "0.2,2.9", "--offset", "1.2", "--json")
     data = json.loads(result.output)
     assert data["net_yaw"]["line"] == pytest.approx(data["net_yaw"]["simulate"], abs=1e-9)
     assert data["plan"]["arrival_error"] < 1e-6
@@ -42,7 +42,7 @@ def test_example_robot():
     [
         (("--pair", "leg_1,leg_9"), "two of the legs"),
         (("--out", "nowhere/x.png"), "no folder"),
-        (("--limits", "1,0", "--optimal"), "low below high"),
+        (("--angle-range", "1,0", "--optimal"), "low below high"),
         (("--plan", "1,2"), "goal has shape"),
     ],
 )
