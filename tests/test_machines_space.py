@@ -224,7 +224,7 @@ def test_rattleback_turns_back():
         t = stone.simulate(None, len(rates), pose=stone.at(R), start=(0, 0, 5.0),
                            sample_interval=0.5, rtol=1e-12)  # fmt: skip
         for second, rate in enumerate(rates, start=1):
-            np.testing.assert_allclose(t.body_velocity[2 * second, 3:], rate, atol=2e-7)
+            np.testing.assert_allclose(t.body_velocity[2 * second, 3:], rate, atol=6e-9)
 
 
 @pytest.mark.parametrize(
@@ -377,23 +377,6 @@ def momenta(t):
     model = t.model
     return np.array([model.mass_matrix(model.coordinates.to_q(z))[:6] @ v
                      for z, v in map(model.split, t.states)])  # fmt: skip
-
-
-def test_added_mass_of_spheroids():
-    from rrrobot.machines.fluid import Fluid
-
-    # Lamb's table of k1, k2, k' for prolate spheroids, and the closed form of k1.
-    table = {1.5: (0.305, 0.621, 0.094), 2.0: (0.209, 0.702, 0.240), 3.99: (0.082, 0.860, 0.608)}
-    for ratio, wanted in table.items():
-        fluid = Fluid.of_ellipsoid((ratio, 1.0, 1.0), density=1.0)
-        mass = 4 / 3 * np.pi * ratio
-        found = (*fluid.mass[:2] / mass, fluid.inertia[1] / (mass * (ratio**2 + 1) / 5))
-        np.testing.assert_allclose(found, wanted, atol=2.5e-3)  # as good as his table is
-        e = np.sqrt(1 - ratio**-2)
-        alpha = 2 * (1 - e * e) / e**3 * (np.arctanh(e) - e)
-        assert fluid.mass[0] / mass == pytest.approx(alpha / (2 - alpha), rel=1e-12)
-    ball = Fluid.of_ellipsoid((0.3, 0.3, 0.3), density=1000.0)
-    np.testing.assert_allclose(ball.mass, 0.5 * 4 / 3 * np.pi * 0.3**3 * 1000, rtol=1e-12)
 
 
 def test_submarine_turns_by_its_rotors_alone():

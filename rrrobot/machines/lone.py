@@ -66,15 +66,17 @@ def roll(
             stretch = max(1, min(_STRETCH, int(_SECONDS / interval)))
             last = min(done + stretch, times.size - 1)
             span = times[done : last + 1]
-            run = rolling.run(y, span, step)
+            with np.errstate(over="ignore", invalid="ignore"):
+                # A step that is far too long may run away; it is taken again.
+                run = rolling.run(y, span, step)
             evaluations += run.evaluations
             stop = run.stop
             if stop is not None and step > 1e-3:
                 step, stop = 0.3 * step, None
                 continue
             error = rolling.error(y, span, run, step, used)
-            if error > 1.0:
-                step *= max(0.2, _SAFE * error ** (-1 / _ORDER))
+            if not error <= 1.0:
+                step *= max(0.2, _SAFE * error ** (-1 / _ORDER)) if np.isfinite(error) else 0.2
                 if step < SHORTEST_STEP:
                     stop = f"the step fell to {step:.3g} s: the motion is too fast"
                 continue
@@ -153,7 +155,8 @@ class _Rolling:
             steps = max(1.0, np.ceil(interval / step - 1e-9))
             fine = self.run(begin, times[i - 1 : i + 1], interval / steps / 2).states[-1]
             allowed = _STRICT * (stepping.atol + stepping.rtol * np.abs(fine))
-            worst = max(worst, float(np.max(np.abs(fine - run.states[i]) / allowed)) / steps)
+            off = float(np.max(np.abs(fine - run.states[i]) / allowed)) / steps
+            worst = off if off > worst or np.isnan(off) else worst
         return worst
 
     def _arm(self, quaternion: Array) -> Array:

@@ -76,6 +76,25 @@ class Machine:
 
     def __post_init__(self) -> None:
         self.model.machine = self
+        if not self.model.planar:
+            self._check_body()
+
+    def _check_body(self) -> None:
+        """Raise where the whole, joints locked, has an inertia that no body has.
+
+        A link alone may: a rotor's spin inertia is its own, the rest is its carrier's.
+        """
+        pin_model = self.model.model
+        mass = pin.crba(pin_model, pin_model.createData(), self.model.coordinates.to_q(
+            self.model.start(None, self.shape or None)))[:6, :6]  # fmt: skip
+        arm = mass[:3, 3:] / mass[0, 0]
+        moments = np.linalg.eigvalsh(mass[3:, 3:] - mass[0, 0] * arm.T @ arm)
+        if moments[2] > (1 + 1e-9) * (moments[0] + moments[1]):
+            shown = ", ".join(f"{x:.4g}" for x in moments)
+            raise ParameterError(
+                f"the {self.name} as a whole has the moments {shown} kg m^2 about its mass centre: "
+                "the greatest may be no more than the others' sum. Is an inertia too large?"
+            )
 
     def _repr_html_(self) -> str:
         rows = {
@@ -215,6 +234,7 @@ class Machine:
         first = None if gait is None else gait(0.0)
         at = first.angle if first is not None else self.shape if shape is None else shape
         z = model.start(self._pose(pose), at if model.motors else None, passive)
+        model.check_place(z, first)
         v = self._start(z, start, first, shape_rates)
 
         def motion(time: float) -> LegMotion | None:

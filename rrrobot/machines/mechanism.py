@@ -22,7 +22,7 @@ from rrrobot.checks import Array, finite, vector
 from rrrobot.constraints import Constraint, Instant, PrescribedJoints, RollingContact
 from rrrobot.drive.damping import Damping
 from rrrobot.drive.gaits import LegMotion
-from rrrobot.errors import GaitError, ModelError
+from rrrobot.errors import ConstraintError, GaitError, ModelError
 from rrrobot.kkt import ConstraintRows
 from rrrobot.machines.coordinates import Coordinates
 from rrrobot.machines.fluid import Fluid
@@ -33,6 +33,8 @@ from rrrobot.rotations import euler_from_rotation, rotation_from_quaternion
 _CLOSED = 1e-14
 """What positions may be off, per metre from the origin, for velocities to be corrected there."""
 _PASSES = 4
+PLACED = 1e-6
+"""What a start may be off its constraints by before it is refused, per metre from the origin."""
 MEETS = 1e-7
 """What a start may break a constraint by before it is refused [m/s or rad/s]."""
 
@@ -166,6 +168,23 @@ class Mechanism:
         at = Instant(self.data, q, v, time, motion)
         parts = [constraint.gap(at) for constraint in self.imposed(motion)]
         return np.concatenate(parts) if parts else np.zeros(0)
+
+    def check_place(self, z: Array, motion: LegMotion | None) -> None:
+        """Raise where coordinates do not meet the holonomic constraints.
+
+        Raises:
+            ConstraintError: they do not.
+        """
+        q = self.coordinates.to_q(z)
+        self.rows(q, self._still, 0.0, motion)
+        gap = np.abs(self.gaps(q, self._still, 0.0, motion))
+        if gap.max(initial=0.0) > PLACED * (1.0 + np.abs(z).max()):
+            name = self.names(motion)[int(np.argmax(gap))]
+            raise ConstraintError(
+                f"{self._where(z, 0.0)()}: the pose is off the constraint {name!r} by "
+                f"{gap.max():.3g} m or rad: place it "
+                "where it holds; `machine.at(rotation, (x, y))` puts a shell on its ground."
+            )
 
     def mass_matrix(self, q: Array) -> Array:
         """M (nv, nv), with the fluid's."""

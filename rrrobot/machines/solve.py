@@ -113,10 +113,16 @@ def meet(
     rank, left, values, rows = decompose(jacobian)
     off = target - left[:, :rank] @ (left[:, :rank].T @ target)
     if np.any(np.abs(off) > tolerance):
-        worst = int(np.argmax(np.abs(off)))
+        worst = float(np.abs(off).max())
+        broken = dependent(left[:, rank:] * (left[:, rank:].T @ off), names)
+        many = "," in broken
         raise ConstraintError(
-            f"{where()}: the velocities break the constraint {names[worst]!r} by "
-            f"{abs(off[worst]):.3g}: give velocities that meet it."
+            f"{where()}: the velocities break the constraint{'s' * many} {broken} by {worst:.3g}: "
+            + (
+                "these depend on each other here, so not all velocities can be met."
+                if many
+                else "give velocities that meet it."
+            )
         )
     return np.asarray(rows[:rank].T @ ((left[:, :rank].T @ target) / values[:rank]))
 
