@@ -1,5 +1,6 @@
 from rrrobot.machines.catalog import all_names as all_names
 from rrrobot.machines.catalog import by_name as by_name
+from rrrobot.machines.closures import FramesCoincide as FramesCoincide
 from rrrobot.machines.cycles import MachineCycle as MachineCycle
 from rrrobot.machines.cycles import optimal_cycle as optimal_cycle
 from rrrobot.machines.driven import pendulum_ball as pendulum_ball

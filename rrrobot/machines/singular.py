@@ -33,6 +33,8 @@ def refuse_singular(model: Mechanism, gait: Gait, duration: float) -> None:
     """
     if not model.planar or not model.motors or not model.constraints:
         return
+    if any(constraint.holonomic.any() for constraint in model.constraints):
+        return  # a loop: what the rows are depends on more than the shape
     from scipy.optimize import minimize_scalar
 
     end = min(duration, gait.period or duration)
