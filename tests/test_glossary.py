@@ -70,7 +70,12 @@ def kinds(annotation):
 def glossary():
     """argument -> kinds of value, from the page's tables."""
     rows = re.findall(r"^\| `(\w+)` \| .+ \| (.+) \|$", PAGE.read_text(), re.MULTILINE)
-    return {name: set(re.findall(r"`([\w.]+)`", types)) for name, types in rows}
+    found = {name: set(re.findall(r"`([\w.]+)`", types)) for name, types in rows}
+    # What is as good as an array may be one, or a number.
+    return {
+        name: types | ({"Array", "float"} if "ArrayLike" in types else set())
+        for name, types in found.items()
+    }
 
 
 USED = used()

@@ -51,7 +51,10 @@ class Track:
         self.last = angles[-1]
         stop = None
         if model.singular_at_vertical:
-            bad = np.flatnonzero(np.abs(np.sin(angles[:, 1])) > sin(VERTICAL_PITCH))
+            pitch = angles[:, 1]
+            # A step may have gone over it.
+            near = np.abs(np.sin(pitch)) > sin(VERTICAL_PITCH)
+            bad = np.flatnonzero(near | (np.abs(pitch) > VERTICAL_PITCH))
             if bad.size:
                 stop = int(bad[0]), VERTICAL
         if isinstance(model, FullModel):
