@@ -238,7 +238,7 @@ def test_bad_input(model, gait, error, words):
 
 
 @pytest.mark.parametrize("options", [{"periods": 0}, {"periods": 1.5}, {"steps_per_cycle": 2},
-                                     {"start": (0.0, 1.0)}])  # fmt: skip
+                                     {"near": (0.0, 1.0)}])  # fmt: skip
 def test_numbers_out_of_range(options):
     with pytest.raises(rr.ParameterError):
         limit_cycle(FULL, rr.gait("lateral"), **options)
