@@ -617,7 +617,7 @@ def test_models_that_the_engine_does_not_know() -> None:
     still = rr.Robot.from_urdf(ROBOT.urdf, shell=rr.Sphere(0.12), legs=[])
     with pytest.raises(rr.ParameterError, match="no legs"):
         sweep(rr.FullModel(still), offset=1.0)
-    with pytest.raises(rr.ParameterError, match="is no parameter of random: write LINK.mass"):
+    with pytest.raises(rr.ParameterError, match="is no parameter of random"):
         sweep(rr.FullModel(random_robot(1, 2)), offset=1.0, parameters={"leg_mass": [0.1]})
     with pytest.raises(rr.ModelError, match="must be a PitchModel of the robot"):
         DecoupledModels(ROBOT, pitch=rr.YawModel(ROBOT))  # type: ignore[arg-type]
