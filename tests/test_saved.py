@@ -83,12 +83,22 @@ def test_what_is_no_result_is_refused(best, tmp_path):
         best.save(tmp_path / "best.txt")
     for damage in ("", "[]", "{}", json.dumps(json.loads(path.read_text()) | {"goal": {}})):
         path.write_text(damage)
-        with pytest.raises(rr.OutputError, match="not what an optimiser of rrrobot saved"):
+        with pytest.raises(rr.OutputError, match="not what an optimiser of"):
             OptimisedGait.load(path)
         with pytest.raises(rr.OutputError, match="not the netCDF file of a sweep"):
             load_sweep(path)
     with pytest.raises(rr.OutputError, match="there is no file"):
         load_sweep(tmp_path / "none.nc")
+
+
+@pytest.mark.parametrize("key", ["cycles", "history", "search", "discrepancy", "met"])
+def test_a_file_without_a_part_is_refused_by_its_name(best, tmp_path, key):
+    path = best.save(tmp_path / "best.json")
+    data = json.loads(path.read_text())
+    del data[key]
+    path.write_text(json.dumps(data))
+    with pytest.raises(rr.OutputError, match=f"it has no '{key}'"):
+        rr.studies.OptimisedGait.load(path)
 
 
 def test_a_damaged_gait_of_a_sweep_is_nan(tmp_path):

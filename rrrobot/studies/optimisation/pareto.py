@@ -26,7 +26,7 @@ from rrrobot.results import names
 from rrrobot.studies.optimisation.goals import FastestTravel, LeastRate
 from rrrobot.studies.optimisation.result import confirm
 from rrrobot.studies.optimisation.run import legs_of, prepare, weight_of
-from rrrobot.studies.optimisation.saved import read_result, write_result
+from rrrobot.studies.optimisation.saved import read_result, reading, write_result
 from rrrobot.studies.optimisation.search import polish, search
 from rrrobot.studies.optimisation.space import Space, swing_of
 from rrrobot.studies.optimisation.table import GaitLimits, discrepancy, file_limits
@@ -119,21 +119,22 @@ class ParetoFront:
         Raises:
             OutputError: the file is missing, damaged, or of something else.
         """
-        data = read_result(path)
-        rows = data["points"]
-        found = {
-            name: np.array([np.nan if row[name] is None else row[name] for row in rows])
-            for name in rows[0]
-            if name != "gait"
-        }
-        cost = LeastRate(rate=data["cost"])
-        return cls(
-            speed=found["speed"], cost=found[cost.column], cost_name=data["cost"],
-            gaits=tuple(data["gaits"]), columns=found, tried=np.zeros((0, 2)),
-            discrepancy=data["discrepancy"], limits=data["limits"],
-            evaluations=data["evaluations"], cycles=data["cycles"], search=data["search"],
-            model=data["model"],
-        )  # fmt: skip
+        with reading(path):
+            data = read_result(path)
+            rows = data["points"]
+            found = {
+                name: np.array([np.nan if row[name] is None else row[name] for row in rows])
+                for name in rows[0]
+                if name != "gait"
+            }
+            cost = LeastRate(rate=data["cost"])
+            return cls(
+                speed=found["speed"], cost=found[cost.column], cost_name=data["cost"],
+                gaits=tuple(data["gaits"]), columns=found, tried=np.zeros((0, 2)),
+                discrepancy=data["discrepancy"], limits=data["limits"],
+                evaluations=data["evaluations"], cycles=data["cycles"], search=data["search"],
+                model=data["model"],
+            )  # fmt: skip
 
     def __len__(self) -> int:
         return len(self.gaits)

@@ -18,7 +18,7 @@ from rrrobot.simulation.run import simulate
 from rrrobot.simulation.steady import SteadyState
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.studies.optimisation.goals import Goal
-from rrrobot.studies.optimisation.saved import read_result, write_result
+from rrrobot.studies.optimisation.saved import read_result, reading, write_result
 from rrrobot.studies.optimisation.table import GaitLimits, Table, columns
 
 _SAMPLES = 48
@@ -113,19 +113,20 @@ class OptimisedGait:
         Raises:
             OutputError: the file is missing, damaged, or of something else.
         """
-        data = read_result(path)
-        goal, gait = data["goal"], data["gait"]
-        trajectory, state, row = confirm(data["model"], gait, data["search"]["settle_time"])
-        history = [(n, np.nan if value is None else value) for n, value in data["history"]]
-        return cls(
-            gait=gait, goal=goal, limits=data["limits"], value=float(goal.value(row)[0]),
-            met=data["met"], shortfalls=tuple(data["shortfalls"]), steady_state=state,
-            measured=row.to_dict(), discrepancy=data["discrepancy"],
-            lift_off_time=trajectory.lift_off_time, evaluations=data["evaluations"],
-            cycles=data["cycles"],
-            history=np.array(history, dtype=float).reshape(-1, 2), search=data["search"],
-            trajectory=trajectory,
-        )  # fmt: skip
+        with reading(path):
+            data = read_result(path)
+            goal, gait = data["goal"], data["gait"]
+            trajectory, state, row = confirm(data["model"], gait, data["search"]["settle_time"])
+            history = [(n, np.nan if value is None else value) for n, value in data["history"]]
+            return cls(
+                gait=gait, goal=goal, limits=data["limits"], value=float(goal.value(row)[0]),
+                met=data["met"], shortfalls=tuple(data["shortfalls"]), steady_state=state,
+                measured=row.to_dict(), discrepancy=data["discrepancy"],
+                lift_off_time=trajectory.lift_off_time, evaluations=data["evaluations"],
+                cycles=data["cycles"],
+                history=np.array(history, dtype=float).reshape(-1, 2), search=data["search"],
+                trajectory=trajectory,
+            )  # fmt: skip
 
     def _repr_html_(self) -> str:
         rows = {

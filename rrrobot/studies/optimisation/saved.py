@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -30,27 +31,40 @@ def write_result(path: str | Path, data: Mapping[str, Any]) -> Path:
     return write_whole(target, (json.dumps(data, indent=1, allow_nan=False) + "\n").encode())
 
 
-def read_result(path: str | Path) -> dict[str, Any]:
-    """What `write_result` wrote, with its parts made anew.
-
-    Gaits, goals, shells and grounds of a class of one's own come back if `rrrobot.register` has it.
+@contextmanager
+def reading(path: str | Path) -> Iterator[None]:
+    """Whatever does not fit while a file is read is said of the file.
 
     Raises:
         OutputError: the file is missing, damaged, or of something else.
     """
     try:
-        data: dict[str, Any] = json.loads(Path(path).read_text(encoding="utf-8"))
-        made = {"model": _model(data), "limits": GaitLimits(**data["limits"])}
-        if "points" in data:
-            return data | made | {"gaits": [gait_from_dict(p["gait"]) for p in data["points"]]}
-        goal: Goal = serial.from_dict(data["goal"], Goal, "goal")  # type: ignore[type-abstract]
-        return data | made | {"goal": goal, "gait": gait_from_dict(data["gait"])}
+        yield
     except FileNotFoundError:
         raise OutputError(f"there is no file {str(path)!r}: check the path.") from None
-    except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
+    except OutputError:
+        raise
+    except KeyError as error:
+        raise OutputError(
+            f"{str(path)!r} is not what an optimiser of this rrrobot saved: it has no {error}."
+        ) from None
+    except (OSError, ValueError, LookupError, TypeError, AttributeError) as error:
         raise OutputError(
             f"{str(path)!r} is not what an optimiser of rrrobot saved: {str(error).rstrip('.')}."
         ) from None
+
+
+def read_result(path: str | Path) -> dict[str, Any]:
+    """What `write_result` wrote, with its parts made anew; to be called within `reading`.
+
+    Gaits, goals, shells and grounds of a class of one's own come back if `rrrobot.register` has it.
+    """
+    data: dict[str, Any] = json.loads(Path(path).read_text(encoding="utf-8"))
+    made = {"model": _model(data), "limits": GaitLimits(**data["limits"])}
+    if "points" in data:
+        return data | made | {"gaits": [gait_from_dict(p["gait"]) for p in data["points"]]}
+    goal: Goal = serial.from_dict(data["goal"], Goal, "goal")  # type: ignore[type-abstract]
+    return data | made | {"goal": goal, "gait": gait_from_dict(data["gait"])}
 
 
 def _model(data: Mapping[str, Any]) -> Model:
