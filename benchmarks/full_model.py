@@ -46,7 +46,7 @@ def evaluation() -> dict[str, float]:
     pin_model, data = robot.model, robot.model.createData()
     rows = model.rolling.evaluate(data, q, v)
     legs = rr.constraints.PrescribedJoints(model.legs.v, pin_model.nv).evaluate(
-        v, leg.rate, leg.acceleration
+        data, q, v, legs=leg
     )
     mass, bias = pin.crba(pin_model, data, q), pin.nonLinearEffects(pin_model, data, q, v)
     tau = np.zeros(pin_model.nv)
