@@ -9,6 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 import rrrobot as rr
 from rrrobot.cli.main import cli
@@ -285,3 +286,16 @@ def test_a_unicycle_follows_itself() -> None:
 
 def test_open_rows_have_no_ratio(rows: dict) -> None:
     assert all(row["ratio"] is None for row in rows.values() if row["verdict"] == OPEN)
+
+
+@pytest.mark.parametrize("name", ["fig_1", "fig_3", "fig_8", "fig_9", "fig_10"])
+def test_nothing_of_a_drawing_is_outside_what_is_saved(name: str) -> None:
+    figure = getattr(paper, name)(rr.Robot.from_parameters())
+    FigureCanvasAgg(figure).draw()
+    frame = figure.bbox.padded(1.0)
+    for ax in figure.axes:
+        written = (ax.title, ax.xaxis.label, ax.yaxis.label, *ax.texts)
+        for text in (text for text in written if text.get_text()):
+            box = text.get_window_extent()
+            assert frame.contains(box.x0, box.y0), text.get_text()
+            assert frame.contains(box.x1, box.y1), text.get_text()

@@ -41,9 +41,8 @@ def lettered(robot: Robot, ax: Axes) -> None:
         f"{', '.join(letter for letter, _ in same)}: {text}"
         for text, same in ((t, list(g)) for t, g in groupby(words, key=lambda word: word[1]))
     ]
-    ax.text(
-        0.5, -0.16, "    ".join(lines), transform=ax.transAxes, ha="center", va="top", fontsize=FONT
-    )
+    # Below the axis' own label, so that the layout keeps room for both.
+    ax.set_xlabel(f"{ax.get_xlabel()}\n{'    '.join(lines)}", fontsize=FONT)
 
 
 def dimensions(robot: Robot, ax: Axes) -> None:
