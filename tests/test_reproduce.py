@@ -239,7 +239,7 @@ def test_command(tmp_path: Path) -> None:
 def test_figures_take_another_robot() -> None:
     other = rr.Robot.from_parameters(rr.RRRobotParameters(leg_mass=0.08, leg_length=0.09))
     shop = Workshop(quick=True, robot=other)
-    assert paper.fig_1(other).axes[0].get_xlabel() == "y [m]"
+    assert paper.fig_1(other).axes[0].get_xlabel().startswith("y [m]\nC: battery")
     assert len(paper.fig_18(shop.plane("full")).axes) == 6
     at = shop.plane("full").sel(offset=np.pi / 2, phase_difference=np.pi / 2, method="nearest")
     run = rr.simulate(shop.full, rr.gait("lateral"), 30.0, method="momentum")
