@@ -44,6 +44,19 @@ def html_table(
     return f"<div><b>{escape(title)}</b><table>{top}{body}</table>{picture}</div>"
 
 
+def aligned(rows: Iterable[tuple[str, str]]) -> str:
+    """Two columns of text.
+
+    Example:
+        >>> print(aligned([("speed", "3 mm/s"), ("yaw rate", "0 rad/s")]))
+        speed     3 mm/s
+        yaw rate  0 rad/s
+    """
+    rows = list(rows)
+    width = max(len(name) for name, _ in rows)
+    return "\n".join(f"{name:<{width}}  {value}".rstrip() for name, value in rows)
+
+
 def shows(*names: str) -> Callable[[Any], str]:
     """A `_repr_html_` that shows an object's class and these attributes of it."""
 

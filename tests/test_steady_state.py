@@ -208,3 +208,12 @@ def test_phase_difference_is_principal():
     lead = motion(amplitude=np.full(3, 0.1), phase=np.array((0, 3.0, -3.0)))
     expected = 6.0 - 2 * np.pi
     assert lead.steady_state().pitch_yaw_phase_difference == pytest.approx(expected, abs=1e-6)
+
+
+def test_it_prints_as_a_table():
+    t = rr.simulate(rr.FullModel(rr.Robot.from_parameters()), rr.gait("lateral"), 6.0)
+    lines = str(t.steady_state(after=3.0)).splitlines()
+    assert lines[0].split()[0] == "speed" and lines[0].endswith(" mm/s")
+    assert [line.split("  ")[0] for line in lines] == [
+        "speed", "yaw rate", "curvature", "roll", "pitch", "yaw", "counted", "steps vary by",
+    ]  # fmt: skip

@@ -8,10 +8,11 @@ import click
 
 from rrrobot.cli.options.group import takes
 from rrrobot.cli.options.robot import RobotOptions
-from rrrobot.cli.report import aligned, tell
+from rrrobot.cli.report import tell
 from rrrobot.cli.types import Numbers, names
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable, write_whole
+from rrrobot.inline import aligned
 from rrrobot.steering.identification import FREE, identify
 from rrrobot.steering.measured import MeasuredRun
 

@@ -13,12 +13,13 @@ from rrrobot.cli.compile import tell_of_compiling
 from rrrobot.cli.options.group import Group, option, takes
 from rrrobot.cli.options.robot import DampingOptions, GroundOptions, Parts, RobotOptions
 from rrrobot.cli.options.steering import LegOptions, Points
-from rrrobot.cli.report import aligned, tell
+from rrrobot.cli.report import tell
 from rrrobot.cli.simulate import checked_file
 from rrrobot.cli.types import NUMBER, Numbers
 from rrrobot.drive.tables import write_gait
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable
+from rrrobot.inline import aligned
 from rrrobot.models.full import FullModel
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.robot import Robot

@@ -7,9 +7,10 @@ from typing import Any
 import click
 import numpy as np
 
-from rrrobot.cli.report import aligned, tell
+from rrrobot.cli.report import tell
 from rrrobot.cli.types import NUMBER
 from rrrobot.errors import ModelError, ParameterError
+from rrrobot.inline import aligned
 from rrrobot.machines.catalog import MACHINES, by_name
 from rrrobot.machines.history import History
 from rrrobot.machines.machine import Machine

@@ -19,10 +19,11 @@ from rrrobot.cli.options.robot import (
     PerLeg,
     RobotOptions,
 )
-from rrrobot.cli.report import aligned, to_json
+from rrrobot.cli.report import to_json
 from rrrobot.cli.types import NUMBER, PER_LEG
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable, write_whole
+from rrrobot.inline import aligned
 from rrrobot.studies.optimisation.goals import COSTS, GOALS, RATES, Goal, as_goal
 from rrrobot.studies.optimisation.pareto import ParetoFront, pareto_front
 from rrrobot.studies.optimisation.result import OptimisedGait

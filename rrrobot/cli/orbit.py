@@ -12,9 +12,10 @@ from rrrobot.cli.options.drive import GaitOptions
 from rrrobot.cli.options.group import takes
 from rrrobot.cli.options.orbit import OrbitOptions
 from rrrobot.cli.options.robot import DampingOptions, GroundOptions, RobotOptions
-from rrrobot.cli.report import aligned, tell
+from rrrobot.cli.report import tell
 from rrrobot.drawing import write_figure
 from rrrobot.files import check_writable
+from rrrobot.inline import aligned
 
 if TYPE_CHECKING:
     from rrrobot.orbits.limit_cycles import LimitCycle

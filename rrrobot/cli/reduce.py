@@ -13,12 +13,13 @@ import numpy as np
 from rrrobot.checks import Array
 from rrrobot.cli.options.group import Group, option, takes
 from rrrobot.cli.options.robot import RobotOptions
-from rrrobot.cli.report import aligned, to_json
+from rrrobot.cli.report import to_json
 from rrrobot.cli.types import NUMBER, Numbers, names
 from rrrobot.contact.ground import Plane
 from rrrobot.drive.gaits import Gait, SinusoidalGait
 from rrrobot.errors import ParameterError
 from rrrobot.files import check_writable
+from rrrobot.inline import aligned
 from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
 from rrrobot.models.pivoting import PivotingModel

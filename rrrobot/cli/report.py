@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.errors import ParameterError
+from rrrobot.inline import aligned
 from rrrobot.simulation.trajectory import Trajectory
 
 _AXES = ("roll", "pitch", "yaw")
@@ -88,13 +89,6 @@ def table(data: Mapping[str, Any]) -> str:
         time = f"at {data['lift_off_time']:.4g} s; from then on this motion means nothing"
         rows.append(("LIFTS OFF", time))
     return aligned(rows)
-
-
-def aligned(rows: Iterable[tuple[str, str]]) -> str:
-    """Two columns."""
-    rows = list(rows)
-    width = max(len(name) for name, _ in rows)
-    return "\n".join(f"{name:<{width}}  {value}".rstrip() for name, value in rows)
 
 
 def _steady_state(trajectory: Trajectory) -> tuple[dict[str, Any] | None, str | None]:

@@ -10,9 +10,10 @@ from rrrobot.cli.options.drive import GaitOptions
 from rrrobot.cli.options.group import takes
 from rrrobot.cli.options.orbit import OrbitOptions
 from rrrobot.cli.options.robot import DampingOptions, GroundOptions, RobotOptions
-from rrrobot.cli.report import aligned, tell
+from rrrobot.cli.report import tell
 from rrrobot.drawing import write_figure
 from rrrobot.files import check_writable
+from rrrobot.inline import aligned
 
 _OUTPUTS = (
     "speed", "yaw_rate", "curvature", "roll_amplitude", "pitch_amplitude", "yaw_amplitude",

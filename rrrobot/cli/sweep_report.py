@@ -11,8 +11,8 @@ import click
 import numpy as np
 
 from rrrobot.cli.options.robot import DECOUPLED
-from rrrobot.cli.report import aligned
 from rrrobot.files import make_folder
+from rrrobot.inline import aligned
 from rrrobot.results import COLUMNS, STATUS, load_names
 from rrrobot.studies.modulation import amplitude_modulation, filled, pitch_yaw_phase_difference
 from rrrobot.studies.sweeps.run import sweep as run_sweep

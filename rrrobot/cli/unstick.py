@@ -9,9 +9,10 @@ import click
 
 from rrrobot.cli.compile import tell_of_compiling
 from rrrobot.cli.options.robot import GROUNDS, GroundChoice, GroundType
-from rrrobot.cli.report import aligned, tell
+from rrrobot.cli.report import tell
 from rrrobot.cli.types import NUMBER, names
 from rrrobot.errors import ParameterError
+from rrrobot.inline import aligned
 from rrrobot.robot.legged import legged_urdf
 from rrrobot.robot.robot import Robot
 

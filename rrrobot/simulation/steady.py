@@ -25,7 +25,7 @@ import numpy as np
 
 from rrrobot.checks import Array, finite
 from rrrobot.errors import ParameterError
-from rrrobot.inline import html_table
+from rrrobot.inline import aligned, html_table
 from rrrobot.rotations import quaternion_from_euler, turns_over
 
 
@@ -135,9 +135,15 @@ class SteadyState:
         data = asdict(self) | {"curvature": self.curvature, "reason": self.reason}
         return {key: _plain(value) for key, value in data.items()}
 
+    def __str__(self) -> str:
+        return aligned(self._rows())
+
     def _repr_html_(self) -> str:
+        return html_table("Steady state", self._rows())
+
+    def _rows(self) -> list[tuple[str, str]]:
         every = zip(("roll", "pitch", "yaw"), self.amplitude, self.phase, self.mean, strict=True)
-        rows = [
+        return [
             ("speed", f"{1000 * self.speed:.4f} mm/s"),
             ("yaw rate", f"{np.rad2deg(self.yaw_rate) + 0.0:.4f} deg/s"),
             ("curvature", f"{self.curvature + 0.0:.4g} 1/m"),
@@ -152,7 +158,6 @@ class SteadyState:
             ("counted", f"{self.cycles} cycles of {self.period:.4g} s from {self.after:.4g} s"),
             ("steps vary by", f"{100 * self.variation:.2g} %"),
         ]
-        return html_table("Steady state", rows)
 
 
 def steady_state(
