@@ -204,8 +204,7 @@ class Model(ABC):
         acceleration, multipliers, rows, q, v = self._solved(
             self._place(pose), quasi, motion, leg_torque, time
         )
-        forces: dict[str, Array] = {}
-        first = 0
+        forces, first = {}, 0
         for constraint, row in rows:
             last = first + row.drift.size
             forces[constraint.name] = constraint.force(multipliers[first:last])
@@ -215,7 +214,8 @@ class Model(ABC):
         else:
             force = self.support_force(q, v, acceleration)
         torque = forces[self._prescribed.name] if leg_torque is None else leg_torque
-        return Dynamics(acceleration, force, torque, q, v, forces)
+        missed = {constraint.name: row.residual for constraint, row in rows}
+        return Dynamics(acceleration, force, torque, q, v, forces, missed)
 
     def _solved(
         self, place: Placement, quasi: Array, leg: LegMotion, torque: Array | None, time: float

@@ -203,7 +203,7 @@ class DecoupledModels(Model):
         force, torque = placed.rotation @ tau[:3], tau[body.legs.v]
         missing = tau[3:6] - np.cross(x, tau[:3]) - body.damping_force(placed, omega)[3:]
         forces = {"contact": force, "legs": torque, "unbalanced": missing}
-        return Dynamics(accelerations, force, torque, q, v, forces)
+        return Dynamics(accelerations, force, torque, q, v, forces, {})
 
     def remade(self, robot: Robot) -> DecoupledModels:
         return DecoupledModels(robot, *(m.remade(robot) for m in self.models))  # type: ignore[arg-type]

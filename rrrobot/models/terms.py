@@ -41,6 +41,8 @@ class Dynamics(NamedTuple):
     """Pinocchio's velocity (nv,)"""
     forces: Mapping[str, Array]
     """of each constraint, by its name; "legs" are the motors of prescribed legs"""
+    residuals: Mapping[str, Array]
+    """velocities by which each constraint's rows are missed, by its name"""
 
 
 class Equations(NamedTuple):

@@ -34,6 +34,8 @@ def trajectory_of(flow: Flow, found: Evolution, settings: dict[str, Any]) -> Tra
     force, energy = np.empty((n, 3)), np.empty(n)
     quaternion, omega, position = np.empty((n, 4)), np.empty((n, 3)), np.empty((n, 2))
     unbalanced = 0.0
+    rolling = model.rolling if isinstance(model, FullModel) else None
+    residual, height = np.empty((n, 3)), np.empty(n)
     motion = None if isinstance(drive, LegTorques) else drive(times)
     for i, y in enumerate(states):
         pose, quasi, rest = model.split(y)
@@ -52,6 +54,8 @@ def trajectory_of(flow: Flow, found: Evolution, settings: dict[str, Any]) -> Tra
             solution = model.dynamics(place, quasi, leg, time=float(times[i]))
         force[i], leg_torque[i] = solution.contact_force, solution.leg_torque
         q[i], v[i] = solution.q, solution.v
+        if rolling is not None:
+            residual[i], height[i] = solution.residuals[rolling.name], rolling.height(model.data)
         kinetic, potential = model.energy(solution.q, solution.v)
         energy[i] = kinetic + potential
         if "unbalanced" in solution.forces:
@@ -71,7 +75,7 @@ def trajectory_of(flow: Flow, found: Evolution, settings: dict[str, Any]) -> Tra
     return assemble(
         model.robot,
         model.ground,
-        (q, v) if isinstance(model, FullModel) else None,
+        None if rolling is None else (q, v, residual, height),
         time=times,
         euler=found.euler,
         quaternion=quaternion,
@@ -93,7 +97,7 @@ def trajectory_of(flow: Flow, found: Evolution, settings: dict[str, Any]) -> Tra
 def assemble(
     robot: Robot,
     ground: Ground,
-    free_flyer: tuple[Array, Array] | None,
+    free_flyer: tuple[Array, Array, Array, Array] | None,
     *,
     quaternion: Array,
     omega_body: Array,
@@ -101,18 +105,12 @@ def assemble(
 ) -> Trajectory:
     """A Trajectory from body rotations (n, 4), (n, 3) and the other fields.
 
-    Unless free-flyer (q, v) are given, places the robot's base so that its shell rolls on the
-    ground; in either case measures slip and height error by Pinocchio's kinematics.
+    Unless free-flyer q, v, slip (n, 3) and height error are given, places the robot's base so that
+    its shell rolls on the ground, and measures them. They are by Pinocchio's kinematics.
     """
-    configuration, velocity = free_flyer or _rolling_motion(
+    configuration, velocity, residual, height = free_flyer or _rolling_motion(
         robot, ground, quaternion, omega_body, fields
     )
-    rolling = RollingContact.of(robot, ground)
-    data = robot.model.createData()
-    residual, height = np.empty((len(quaternion), 3)), np.empty(len(quaternion))
-    for i, (q, v) in enumerate(zip(configuration, velocity, strict=True)):
-        residual[i] = rolling.evaluate(data, q, v).residual
-        height[i] = rolling.height(data)
     return Trajectory(
         robot=robot,
         ground=ground,
@@ -127,16 +125,20 @@ def assemble(
 
 def _rolling_motion(
     robot: Robot, ground: Ground, quaternion: Array, omega_body: Array, fields: dict[str, Any]
-) -> tuple[Array, Array]:
-    """Free-flyer q (n, nq) and v (n, nv) of the robot that rolls with the given rotation."""
+) -> tuple[Array, Array, Array, Array]:
+    """Free-flyer q (n, nq), v (n, nv), slip and height error of a robot that rolls as it turns."""
     body = FullModel(robot, ground=ground, damping=None)
     n = len(quaternion)
+    rolling, data = RollingContact.of(robot, ground), robot.model.createData()
     configuration, velocity = np.empty((n, robot.model.nq)), np.empty((n, robot.model.nv))
+    residual, height = np.empty((n, 3)), np.empty(n)
     for i in range(n):
         place = body.place(np.concatenate((quaternion[i], fields["position"][i])))
         configuration[i] = body.configuration(place, fields["leg_angle"][i])
         velocity[i] = body.velocity(place, omega_body[i], fields["leg_rate"][i])
-    return configuration, velocity
+        residual[i] = rolling.evaluate(data, configuration[i], velocity[i]).residual
+        height[i] = rolling.height(data)
+    return configuration, velocity, residual, height
 
 
 def versions() -> dict[str, str]:
