@@ -24,14 +24,6 @@ SLOPE = np.tan(np.deg2rad(2.0)) * np.array((np.cos(1.0), np.sin(1.0)))
 
 
 @pytest.fixture(scope="module")
-def home(tmp_path_factory):
-    patch = pytest.MonkeyPatch()
-    patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
-    yield
-    patch.undo()
-
-
-@pytest.fixture(scope="module")
 def model(home):
     return rr.FullModel(rr.Robot.from_parameters())
 

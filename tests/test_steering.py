@@ -17,15 +17,6 @@ PLACE, TURN = 1e-3, np.deg2rad(0.2)
 
 
 @pytest.fixture(scope="module")
-def home(tmp_path_factory):
-    """The maps are kept in a folder of the tests' own."""
-    patch = pytest.MonkeyPatch()
-    patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
-    yield
-    patch.undo()
-
-
-@pytest.fixture(scope="module")
 def model(home):
     return rr.FullModel(rr.Robot.from_parameters())
 

@@ -15,11 +15,8 @@ PERIOD = np.pi / 4
 
 
 @pytest.fixture(scope="module")
-def model(tmp_path_factory):
-    patch = pytest.MonkeyPatch()
-    patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
-    yield rr.FullModel(rr.Robot.from_parameters())
-    patch.undo()
+def model(home):
+    return rr.FullModel(rr.Robot.from_parameters())
 
 
 @pytest.fixture(scope="module")

@@ -10,11 +10,8 @@ from rrrobot.steering.obstacles import free_distance
 
 
 @pytest.fixture(scope="module")
-def model(tmp_path_factory):
-    patch = pytest.MonkeyPatch()
-    patch.setenv("XDG_CACHE_HOME", str(tmp_path_factory.mktemp("cache")))
-    yield rr.FullModel(rr.Robot.from_parameters())
-    patch.undo()
+def model(home):
+    return rr.FullModel(rr.Robot.from_parameters())
 
 
 def test_too_little_time_leads_part_of_the_way(model):

@@ -45,29 +45,9 @@ def round_on_plane(y, c, row, par, k, stage, center, radius, basis):  # type: ig
             radius * (w0 * n1 - w1 * n0),
         )
         finish(
-            y,
-            c,
-            row,
-            par,
-            k,
-            stage,
-            i,
-            r[6],
-            r[7],
-            r[8],
-            s0,
-            s1,
-            s2,
-            w0,
-            w1,
-            w2,
-            p0,
-            p1,
-            p2,
-            x0,
-            x1,
-            x2,
-        )
+            y, c, row, par, k, stage, i, r[6], r[7], r[8], s0, s1, s2, w0, w1, w2, p0, p1, p2,
+            x0, x1, x2,
+        )  # fmt: skip
         along_plane(basis, k, stage, i, r, x0, x1, x2)
 
 
@@ -95,29 +75,9 @@ def round_on_boulder(  # type: ignore[no-untyped-def]
             scale * (w0 * n1 - w1 * n0),
         )
         finish(
-            y,
-            c,
-            row,
-            par,
-            k,
-            stage,
-            i,
-            r[6],
-            r[7],
-            r[8],
-            s0,
-            s1,
-            s2,
-            w0,
-            w1,
-            w2,
-            p0,
-            p1,
-            p2,
-            x0,
-            x1,
-            x2,
-        )
+            y, c, row, par, k, stage, i, r[6], r[7], r[8], s0, s1, s2, w0, w1, w2, p0, p1, p2,
+            x0, x1, x2,
+        )  # fmt: skip
         k[stage, 7 * LANES + i], k[stage, 8 * LANES + i], _ = in_world(r, x0, x1, x2)
 
 
@@ -146,29 +106,9 @@ def ellipsoid_on_plane(y, c, row, par, k, stage, center, terms, basis):  # type:
         x1 = over * (xy * y0 + yy * y1 + yz * y2 - e1 * ey)
         x2 = over * (xz * y0 + yz * y1 + zz * y2 - e2 * ey)
         finish(
-            y,
-            c,
-            row,
-            par,
-            k,
-            stage,
-            i,
-            r[6],
-            r[7],
-            r[8],
-            s0,
-            s1,
-            s2,
-            w0,
-            w1,
-            w2,
-            p0,
-            p1,
-            p2,
-            x0,
-            x1,
-            x2,
-        )
+            y, c, row, par, k, stage, i, r[6], r[7], r[8], s0, s1, s2, w0, w1, w2, p0, p1, p2,
+            x0, x1, x2,
+        )  # fmt: skip
         along_plane(basis, k, stage, i, r, x0, x1, x2)
 
 
@@ -196,27 +136,7 @@ def bent_on_plane(y, c, row, par, k, stage, basis, b):  # type: ignore[no-untype
             b[(R + 6) * LANES + i], b[(R + 7) * LANES + i], b[(R + 8) * LANES + i],
         )  # fmt: skip
         finish(
-            y,
-            c,
-            row,
-            par,
-            k,
-            stage,
-            i,
-            r[6],
-            r[7],
-            r[8],
-            s0,
-            s1,
-            s2,
-            w0,
-            w1,
-            w2,
-            p0,
-            p1,
-            p2,
-            x0,
-            x1,
-            x2,
-        )
+            y, c, row, par, k, stage, i, r[6], r[7], r[8], s0, s1, s2, w0, w1, w2, p0, p1, p2,
+            x0, x1, x2,
+        )  # fmt: skip
         along_plane(basis, k, stage, i, r, x0, x1, x2)
