@@ -66,6 +66,7 @@ from rrrobot.errors import SimulationInterrupted as SimulationInterrupted
 from rrrobot.errors import SlowWarning as SlowWarning
 from rrrobot.errors import SweepError as SweepError
 from rrrobot.errors import SweepInterrupted as SweepInterrupted
+from rrrobot.errors import UnsettledWarning as UnsettledWarning
 from rrrobot.errors import UrdfError as UrdfError
 from rrrobot.errors import UrdfWarning as UrdfWarning
 from rrrobot.escape.story import unstick as unstick

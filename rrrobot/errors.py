@@ -170,3 +170,7 @@ class UrdfWarning(UserWarning):
 
 class LimitWarning(UserWarning):
     """A motion passes a limit that the robot's file sets to a joint."""
+
+
+class UnsettledWarning(UserWarning):
+    """Cycle means were taken of a motion that still changes from cycle to cycle."""

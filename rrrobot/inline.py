@@ -44,6 +44,17 @@ def html_table(
     return f"<div><b>{escape(title)}</b><table>{top}{body}</table>{picture}</div>"
 
 
+def percent(share: float) -> str:
+    """A share as text, to two digits or whole.
+
+    Example:
+        >>> from rrrobot.inline import percent
+        >>> percent(0.0012), percent(0.4321), percent(3.21)
+        ('0.12 %', '43 %', '321 %')
+    """
+    return f"{100 * share:.0f} %" if share >= 0.1 else f"{100 * share:.2g} %"
+
+
 def aligned(rows: Iterable[tuple[str, str]]) -> str:
     """Two columns of text.
 

@@ -31,6 +31,11 @@ STATUS = {
 }
 """What the numbers of the result `status` mean; other results are NaN unless it is 0."""
 
+SETTLED = 0.05
+"""Variation from cycle to cycle up to which a motion is said to have settled."""
+STILL = 5e-5
+"""Step of a cycle below which a body is said to stay where it is; its variation is told over this
+instead [m]. What decays still moves a gait that leads nowhere by a hundredth of that."""
 _STILL = 1e-9
 """Amplitude up to which an axis has no phase [rad]."""
 
@@ -87,7 +92,9 @@ COLUMNS: dict[str, Column] = {
     "roll_mean": Column("rad", "mean roll"),
     "pitch_mean": Column("rad", "mean pitch"),
     "yaw_mean": Column("rad", "mean yaw"),
-    "variation": Column("1", "largest deviation of one cycle's step from the mean step, over that"),
+    "variation": Column(
+        "1", "largest deviation of one cycle's step from the mean step, over the mean length"
+    ),
     "normal_force": Column("N", "least normal force of the ground in the last cycle"),
     "pitch": Column("rad", "largest |pitch| from the start on"),
     "clearance": Column("m", "least distance of any leg to the ground over the last cycle"),

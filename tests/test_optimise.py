@@ -214,10 +214,10 @@ def test_the_gait_alone_does_what_the_result_says(
     model: rr.FullModel, target: OptimisedGait
 ) -> None:
     gait = gait_from_dict(json.loads(json.dumps(target.to_dict()["gait"])))
-    t = rr.simulate(model, gait, 26 * 2 * np.pi / gait.angular_frequency.max(), 0.02)  # type: ignore[attr-defined]
+    t = rr.simulate(model, gait, 52 * 2 * np.pi / gait.angular_frequency.max(), 0.02)  # type: ignore[attr-defined]
     state = t.steady_state()
-    assert state.speed == pytest.approx(0.006, rel=2e-2)
-    assert state.curvature == pytest.approx(-1.5, rel=3e-2)
+    assert state.speed == pytest.approx(0.006, rel=1e-3)
+    assert state.curvature == pytest.approx(-1.5, rel=1e-3)
 
 
 def test_the_same_seed_gives_the_same_bits(model: rr.FullModel) -> None:

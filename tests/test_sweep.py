@@ -27,6 +27,8 @@ from tests.random_robot import random_robot
 from tests.some import some
 
 sweep_module = import_module("rrrobot.studies.sweeps.run")
+# Most runs here are shorter than it takes to settle.
+pytestmark = pytest.mark.filterwarnings("ignore::rrrobot.errors.UnsettledWarning")
 """`rr.sweep` is the function."""
 ROBOT = rr.Robot.from_parameters()
 FULL = rr.FullModel(ROBOT)
@@ -512,7 +514,7 @@ def test_a_leg_through_the_ground_is_flagged_not_refused() -> None:
     assert found[0].filename == __file__
     assert float(ds.clearance[0]) < -0.009 and float(ds.clearance[1]) > 0.2
     with warnings.catch_warnings():
-        warnings.simplefilter("error")
+        warnings.simplefilter("error", rr.GroundClearanceWarning)
         sweep(FULL, offset=1.5, parameters={"leg_length": [0.1, 0.13]}, **SHORT)
 
 

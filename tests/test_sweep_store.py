@@ -30,6 +30,8 @@ from rrrobot.studies.sweeps.run import sweep
 from rrrobot.studies.sweeps.store import pending
 
 sweep_module = import_module("rrrobot.studies.sweeps.run")
+# Most runs here are shorter than it takes to settle.
+pytestmark = pytest.mark.filterwarnings("ignore::rrrobot.errors.UnsettledWarning")
 """`rr.sweep` is the function."""
 ROBOT = rr.Robot.from_parameters()
 FULL = rr.FullModel(ROBOT)

@@ -97,7 +97,8 @@ def test_a_ball_driven_by_a_pendulum_turns_as_its_path_does(hanging, side):
 
 def test_sweeps_and_searches_name_what_turns_over(hanging):
     model = hanging(0.01)
-    ds = rr.sweep(model, offset=0.0, amplitude=[0.05, 1.0], angular_frequency=2.0, progress=False)
+    gaits = {"offset": 0.0, "amplitude": [0.05, 1.0], "angular_frequency": 2.0}
+    ds = rr.sweep(model, **gaits, cycles=76)
     flags = dict(zip(ds.status.flag_values, ds.status.flag_meanings.split(), strict=True))
     assert [flags[int(code)] for code in ds.status] == ["steady_state", "turns_over"]
     assert np.isnan(ds.yaw_rate[1])

@@ -23,7 +23,7 @@ from rrrobot.cli.report import to_json
 from rrrobot.cli.types import NUMBER, PER_LEG
 from rrrobot.errors import OutputError
 from rrrobot.files import check_writable, write_whole
-from rrrobot.inline import aligned
+from rrrobot.inline import aligned, percent
 from rrrobot.studies.optimisation.goals import COSTS, GOALS, RATES, Goal, as_goal
 from rrrobot.studies.optimisation.pareto import ParetoFront, pareto_front
 from rrrobot.studies.optimisation.result import OptimisedGait
@@ -165,8 +165,11 @@ class SearchOptions(Group):
         help="cycles: simulate them; orbit: find each gait's limit cycle directly, and gradients "
         "along it.",
     )
-    settle_time: float = option(
-        "--settle-time", type=NUMBER, default="25", show_default=True, help="[s]"
+    settle_time: float | None = option(
+        "--settle-time",
+        type=NUMBER,
+        help="Simulated before the cycles that count [s]; 25 unless given, and more where the "
+        "robot's slowest decay needs more.",
     )
     budget: int | None = option(
         "--budget",
@@ -281,7 +284,7 @@ def _table(found: OptimisedGait) -> str:
         (f"{found.goal.name}: {found.goal.quantity}", f"{found.value:.6g} {found.goal.unit}"),
         *((f"  {key}", _numbers(value)) for key, value in gait.items() if key != "type"),
         ("period", f"{period:.4g} s"),
-        ("speed v", f"{1000 * state.speed:.4f} mm/s, steps vary by {100 * state.variation:.1g} %"),
+        ("speed v", f"{1000 * state.speed:.4f} mm/s, steps vary by {percent(state.variation)}"),
         ("yaw rate", f"{state.yaw_rate:.6g} rad/s"),
         ("curvature", f"{state.curvature:.6g} 1/m"),
         ("motor torque", f"{m['rms_torque']:.4g} N m rms of all, {m['peak_torque']:.4g} N m peak"),

@@ -13,7 +13,8 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.errors import ParameterError
-from rrrobot.inline import aligned
+from rrrobot.inline import aligned, percent
+from rrrobot.simulation.steady import steady_state
 from rrrobot.simulation.trajectory import Trajectory
 
 _AXES = ("roll", "pitch", "yaw")
@@ -98,7 +99,7 @@ def _steady_state(trajectory: Trajectory) -> tuple[dict[str, Any] | None, str | 
     blended = ramp["duration"] if ramp.get("type") == "ramp_in" else 0.0
     start = max(blended, float(trajectory.time[-1]) / 2)
     try:
-        return trajectory.steady_state(after=start).to_dict(), None
+        return steady_state(trajectory, after=start).to_dict(), None
     except ParameterError as error:
         return None, str(error).rstrip(".")
 
@@ -109,14 +110,16 @@ def _settled_rows(data: Mapping[str, Any]) -> list[tuple[str, str]]:
         return [("no steady state", str(data["no_steady_state_because"]))]
     last = settled["after"] + settled["cycles"] * settled["period"]
     curvature = settled["curvature"]
+    counted = (
+        f"means of {settled['cycles']} cycles of {settled['period']:.4g} s, "
+        f"{settled['after']:.4g} .. {last:.4g} s, steps vary by {percent(settled['variation'])}"
+    )
+    travel, spread = 1000 * settled["mean_travel"], 1000 * settled["spread"]
     rows = [
-        (
-            "steady state",
-            f"means of {settled['cycles']} cycles of {settled['period']:.4g} s, "
-            f"{settled['after']:.4g} .. {last:.4g} s, steps vary by "
-            f"{100 * settled['variation']:.1g} %",
-        ),
-        ("  speed v", f"{1000 * settled['speed']:.4f} mm/s"),
+        ("steady state" if settled["settled"] else "NOT SETTLED", counted),
+        ("  speed v", f"{1000 * settled['speed']:.4f} mm/s")
+        if settled["settled"]
+        else ("  mean travel", f"{travel:.4f} +- {spread:.4f} mm/s in single cycles"),
         ("  yaw rate", f"{_rounded(settled['yaw_rate'])} rad/s"),
         (
             "  curvature",

@@ -42,9 +42,13 @@ from rrrobot.studies.sweeps.run import sweep as run_sweep
 class CountOptions(Group):
     """How each gait is simulated."""
 
-    cycles: int = option("--cycles", type=int, default=38, show_default=True, help="Of each gait.")
+    cycles: int | None = option(
+        "--cycles",
+        type=int,
+        help="Of each gait; 38 unless given, and more where the robot's slowest decay needs more.",
+    )
     counted: int | None = option(
-        "--counted", type=int, help="Of these, at the end; those in the second half."
+        "--counted", type=int, help="Of these, at the end; 18, or with --cycles the second half."
     )
     steps: int = option("--steps", type=int, default=10, show_default=True, help="For each cycle.")
     loads: bool = option(

@@ -13,15 +13,13 @@ import numpy as np
 from rrrobot.cli.options.robot import DECOUPLED
 from rrrobot.files import make_folder
 from rrrobot.inline import aligned
-from rrrobot.results import COLUMNS, STATUS, load_names
+from rrrobot.results import COLUMNS, SETTLED, STATUS, load_names
 from rrrobot.studies.modulation import amplitude_modulation, filled, pitch_yaw_phase_difference
 from rrrobot.studies.sweeps.run import sweep as run_sweep
 
 if TYPE_CHECKING:
     import xarray as xr
 
-SETTLED = 0.05
-"""Variation from cycle to cycle up to which a gait counts as the fastest."""
 _MOST_SLICES = 8
 _MOST_MODULATED = 21
 """Offsets of Fig 20; each takes a search by the yaw model."""

@@ -27,6 +27,7 @@ from rrrobot.models.base import Model
 from rrrobot.orbits.oscillations import equilibrium
 from rrrobot.rotations import euler_from_quaternion
 from rrrobot.simulation.run import simulate
+from rrrobot.simulation.steady import steady_state
 from rrrobot.simulation.trajectory import Trajectory
 
 AGREE = 0.01
@@ -189,7 +190,7 @@ def _rest(model: Model, leg_angle: Array) -> Array:
 
 
 def _settled(run: Trajectory, start: float, one: Judged, rules: Rules) -> _Settled:
-    state = run.steady_state(after=start - 1e-9)
+    state = steady_state(run, after=start - 1e-9)
     travel = np.append(state.velocity, state.yaw_rate)
     scale = np.array((1.0, 1.0, rules.length))
     if rules.goal.leans:

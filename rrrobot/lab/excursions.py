@@ -17,6 +17,7 @@ from rrrobot.lab.knobs import Knobs
 from rrrobot.lab.outcome import Outcome, Refusal, forces, short
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.run import simulate
+from rrrobot.simulation.steady import steady_state
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.steering.planner import plan
 
@@ -153,7 +154,7 @@ def of_run(
     speed = float(np.linalg.norm(t.position[-1] - t.position[half])) / lasts
     yaw_rate = float(t.euler[-1, 2] - t.euler[half, 2]) / lasts
     if period is not None:
-        state = t.steady_state(period=period)
+        state = steady_state(t, period=period)
         speed, yaw_rate = state.speed, state.yaw_rate
     found = forces(t)
     return Outcome(

@@ -22,6 +22,7 @@ from rrrobot.lab.motion import Motion, Screw
 from rrrobot.orbits.limit_cycles import LimitCycle, limit_cycle
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.run import simulate
+from rrrobot.simulation.steady import steady_state
 from rrrobot.simulation.trajectory import Trajectory
 
 STEPS = 36
@@ -157,7 +158,7 @@ def _run(given: Robot, knobs: Knobs) -> dict[str, Any]:
             "nothing from there."
         )
     found = forces(trajectory)
-    state = trajectory.steady_state()
+    state = steady_state(trajectory)
     settled = bool(state.variation < _SETTLED) or not moves
     words = () if settled else (
         f"Not settled: consecutive cycles of the {trajectory.time[-1]:.3g} s differ by "

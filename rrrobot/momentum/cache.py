@@ -24,13 +24,15 @@ from typing import Any
 from numba.core import caching
 
 _FOLDER = Path(__file__).parent
+_CONSTANTS = (_FOLDER.parent / "results.py",)
+"""Sources of constants from outside that compiled code has."""
 
 
 @cache
 def engine_hash() -> str:
     """Hash of all sources of the engine; also of what a store was computed with."""
     digest = hashlib.sha256()
-    for path in sorted(_FOLDER.glob("*.py")):
+    for path in (*sorted(_FOLDER.glob("*.py")), *_CONSTANTS):
         digest.update(path.name.encode() + b"\0" + path.read_bytes() + b"\0")
     return digest.hexdigest()[:32]
 

@@ -12,6 +12,7 @@ from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import inner, lanes
 from rrrobot.momentum.kernels import DECOUPLED, ROWS_PER_STEP
 from rrrobot.momentum.trigonometry import arc_tangent
+from rrrobot.results import STILL
 
 RESULT = (
     "speed", "velocity_x", "velocity_y", "yaw_rate", "roll_amplitude", "pitch_amplitude",
@@ -96,8 +97,11 @@ def drift(means, period, i, out):  # type: ignore[no-untyped-def]
     for k in range(steps):
         dx = (means[k + 1, i] - means[k, i]) / period
         dy = (means[k + 1, LANES + i] - means[k, LANES + i]) / period
-        worst = max(worst, abs(np.hypot(dx, dy) - out[0]))
-    out[13] = worst / max(out[0], 1e-6 / period)
+        yaw = 0.5 * (means[k + 1, 2 * LANES + i] + means[k, 2 * LANES + i])
+        ahead = np.cos(yaw) * dx + np.sin(yaw) * dy - out[1]
+        aside = -np.sin(yaw) * dx + np.cos(yaw) * dy - out[2]
+        worst = max(worst, np.hypot(ahead, aside))
+    out[13] = worst / max(out[0], STILL / period)
 
 
 @inner

@@ -10,6 +10,7 @@ whose eigenvalues -s +- i w are decaying oscillations of period 2 pi / w.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -87,7 +88,7 @@ def equilibrium(model: Model, leg_angle: ArrayLike, euler: ArrayLike = (0.0, 0.0
     for _ in range(50):
         residual = _acceleration(model, pose, still, legs)
         # Directions without stiffness, such as yaw, stay as they are.
-        stiffness = _linearised(model, pose, legs)[0]
+        stiffness = _by_pose(model, pose, legs)
         solution = np.linalg.lstsq(stiffness, residual, rcond=1e-7)[0]
         move = np.asarray(-solution, dtype=np.float64)
         size = float(np.linalg.norm(move))
@@ -130,7 +131,10 @@ def modes(model: Model, leg_angle: ArrayLike, euler: ArrayLike = (0.0, 0.0, 0.0)
     """
     legs = _held(model, leg_angle)
     pose = equilibrium(model, leg_angle, euler)
-    by_pose, by_rate = _linearised(model, pose, legs)
+    by_pose, by_rate = _by_pose(model, pose, legs), _by_rate(model, pose, legs)
+    # Entries of rounding size would send eig's balancing astray.
+    for target in (by_pose, by_rate):
+        target[np.abs(target) < 1e-9 * np.abs(by_pose).max()] = 0.0
     n = model.n_quasi
     matrix = np.block([[np.zeros((n, n)), np.eye(n)], [by_pose, by_rate]])
     values, vectors = np.linalg.eig(matrix)
@@ -278,25 +282,24 @@ def _moved(model: Model, pose: Array, move: Array) -> Array:
     return moved
 
 
-def _linearised(model: Model, pose: Array, legs: LegMotion) -> tuple[Array, Array]:
-    """d(u_dot)/d(delta) and d(u_dot)/du (n, n) at rest, by differences of fourth order."""
-    n, still = model.n_quasi, np.zeros(model.n_quasi)
-    by_pose, by_rate = np.empty((n, n)), np.empty((n, n))
-    for i in range(n):
-        unit = np.eye(n)[i] * _STEP
+def _by_pose(model: Model, pose: Array, legs: LegMotion) -> Array:
+    """d(u_dot)/d(delta) (n, n) at rest."""
+    still = np.zeros(model.n_quasi)
+    return _derivative(
+        lambda delta: _acceleration(model, _moved(model, pose, delta), still, legs), model.n_quasi
+    )
 
-        def at_pose(k: float, unit: Array = unit) -> Array:
-            return _acceleration(model, _moved(model, pose, k * unit), still, legs)
 
-        def at_rate(k: float, unit: Array = unit) -> Array:
-            return _acceleration(model, pose, k * unit, legs)
+def _by_rate(model: Model, pose: Array, legs: LegMotion) -> Array:
+    """d(u_dot)/du (n, n) at rest."""
+    return _derivative(lambda rate: _acceleration(model, pose, rate, legs), model.n_quasi)
 
-        for target, f in ((by_pose, at_pose), (by_rate, at_rate)):
-            target[:, i] = (8 * (f(1) - f(-1)) - (f(2) - f(-2))) / (12 * _STEP)
-    # Entries of rounding size would send eig's balancing astray.
-    for target in (by_pose, by_rate):
-        target[np.abs(target) < 1e-9 * np.abs(by_pose).max()] = 0.0
-    return by_pose, by_rate
+
+def _derivative(f: Callable[[Array], Array], n: int) -> Array:
+    """Of f (n,) -> (n,) at zero (n, n), by differences of fourth order."""
+    units = _STEP * np.eye(n)
+    columns = [(8 * (f(e) - f(-e)) - (f(2 * e) - f(-2 * e))) / (12 * _STEP) for e in units]
+    return np.column_stack(columns)
 
 
 def _euler_shape(

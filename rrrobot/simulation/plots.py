@@ -23,6 +23,7 @@ from rrrobot.drawing import (
 )
 from rrrobot.errors import ParameterError
 from rrrobot.robot.joints import sliding
+from rrrobot.simulation.steady import steady_state
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,8 +33,6 @@ if TYPE_CHECKING:
 
 LEG_CYCLES = 4
 """Cycles that the plot of the legs shows where a run has many more: its last ones."""
-SETTLED = 0.05
-"""Variation from cycle to cycle up to which the figure of everything names speed and yaw rate."""
 _TIME = "time [s]"
 
 
@@ -200,13 +199,14 @@ def _all(trajectory: Trajectory) -> Figure:
 def _title(trajectory: Trajectory) -> str:
     title = f"{trajectory.robot.name}, {trajectory.model_name} model, {trajectory.time[-1]:g} s"
     try:
-        settled = trajectory.steady_state()
+        state = steady_state(trajectory)
     except ParameterError:
         return title
-    if settled.variation > SETTLED:
-        return title
-    rate = round(np.rad2deg(settled.yaw_rate), 2) + 0.0
-    return f"{title}: settled at {1000 * settled.speed:.2f} mm/s, {rate:.2f} deg/s"
+    speed, rate = 1000 * state.speed, round(np.rad2deg(state.yaw_rate), 2) + 0.0
+    if state.settled:
+        return f"{title}: settled at {speed:.2f} mm/s, {rate:.2f} deg/s"
+    travel, spread = 1000 * state.mean_travel, 1000 * state.spread
+    return f"{title}: not settled, mean travel {travel:.2f} +- {spread:.2f} mm/s"
 
 
 def _whole_time(trajectory: Trajectory, ax: Axes) -> None:

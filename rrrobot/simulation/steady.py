@@ -25,7 +25,8 @@ import numpy as np
 
 from rrrobot.checks import Array, finite
 from rrrobot.errors import ParameterError
-from rrrobot.inline import aligned, html_table
+from rrrobot.inline import aligned, html_table, percent
+from rrrobot.results import SETTLED, STILL
 from rrrobot.rotations import quaternion_from_euler, turns_over
 
 
@@ -76,8 +77,9 @@ class SteadyState:
         period: of a cycle [s].
         after: time of the first counted cycle [s].
         cycles: number of counted cycles.
-        variation: largest deviation of one cycle's step from the mean step, over the mean step
-            (or over 1 um if that is more). Small means settled.
+        variation: largest deviation of one cycle's step, as seen from the mean heading of that
+            cycle, from the mean of these; over the mean length of a step (or over 50 um if that is
+            more). Small means settled.
         net_rotation: of a cycle, R_world_body after it times its inverse before it, as a rotation
             vector in the world (3,) [rad]; about z for a motion that repeats. With the step of the
             contact point it is the screw of the cycle. The mean over the counted cycles.
@@ -130,9 +132,28 @@ class SteadyState:
         """Phase of the pitch minus that of the yaw, in (-pi, pi] [rad]."""
         return float(-((self.phase[2] - self.phase[1] + np.pi) % (2 * np.pi) - np.pi))
 
+    @property
+    def settled(self) -> bool:
+        """Whether single cycles differ by no more than 5 %, so that the means are a steady state.
+
+        Else the speed is a mean of something that changes: take `mean_travel` and its `spread`.
+        """
+        return self.variation <= SETTLED
+
+    @property
+    def mean_travel(self) -> float:
+        """|velocity|, by which the robot gets away [m/s]; of a body that tumbles, the speed."""
+        return self.speed if self.tumbles else float(np.linalg.norm(self.velocity))
+
+    @property
+    def spread(self) -> float:
+        """How far the velocity over a single cycle is from the mean one, at most [m/s]."""
+        return self.variation * max(self.speed, STILL / self.period)
+
     def to_dict(self) -> dict[str, Any]:
         """Everything as plain data, for JSON."""
-        data = asdict(self) | {"curvature": self.curvature, "reason": self.reason}
+        names = ("curvature", "reason", "settled", "mean_travel", "spread")
+        data = asdict(self) | {name: getattr(self, name) for name in names}
         return {key: _plain(value) for key, value in data.items()}
 
     def __str__(self) -> str:
@@ -143,8 +164,12 @@ class SteadyState:
 
     def _rows(self) -> list[tuple[str, str]]:
         every = zip(("roll", "pitch", "yaw"), self.amplitude, self.phase, self.mean, strict=True)
+        moves = [("speed", f"{1000 * self.speed:.4f} mm/s")]
+        if not self.settled:
+            travel = f"{1000 * self.mean_travel:.4f} +- {1000 * self.spread:.4f} mm/s"
+            moves = [("NOT SETTLED", "means of cycles that differ"), ("mean travel", travel)]
         return [
-            ("speed", f"{1000 * self.speed:.4f} mm/s"),
+            *moves,
             ("yaw rate", f"{np.rad2deg(self.yaw_rate) + 0.0:.4f} deg/s"),
             ("curvature", f"{self.curvature + 0.0:.4g} 1/m"),
             *(
@@ -156,7 +181,7 @@ class SteadyState:
                 for axis, amplitude, phase, mean in every
             ),
             ("counted", f"{self.cycles} cycles of {self.period:.4g} s from {self.after:.4g} s"),
-            ("steps vary by", f"{100 * self.variation:.2g} %"),
+            ("steps vary by", percent(self.variation)),
         ]
 
 
@@ -213,22 +238,17 @@ def steady_state(
     steps = np.diff(means, axis=0) / period
     lengths = np.linalg.norm(steps[:, :2], axis=1)
     speed = float(lengths.mean())
-    floor = max(speed, 1e-6 / period)
-
+    floor = max(speed, STILL / period)
     drift = steps.mean(axis=0)
     middle = 0.5 * (edges[0] + edges[-1])
-    grid = np.linspace(edges[0], edges[-1], _HARMONIC_POINTS * cycles, endpoint=False)
-    angles = spline(grid)[:, 2:] - np.outer(grid - middle, drift[2:])
-    omega = 2 * np.pi / period
-    sine, cosine = (2 * (f(omega * grid) @ angles) / grid.size for f in (np.sin, np.cos))
-    mean = means.mean(axis=0)[2:]
-
     net, upright = _net_rotation(time, trajectory.euler, edges)
     if _tumbles(trajectory.euler, time, edges, float(drift[4]) * period):
         nothing = np.full(3, np.nan)
         turn = _turn(steps[:, :2], lengths)
-        if math.isnan(turn) and upright:
-            turn = float(net[2])
+        ahead: Array = turn * np.arange(cycles - 1, dtype=np.float64)
+        if math.isnan(turn):
+            turn = float(net[2]) if upright else math.nan
+            ahead = np.arctan2(steps[:, 1], steps[:, 0])
         return SteadyState(
             speed=speed,
             velocity=nothing[:2],
@@ -239,32 +259,41 @@ def steady_state(
             period=period,
             after=after,
             cycles=cycles,
-            variation=float(np.abs(lengths - speed).max() / floor),
+            variation=_deviation(_seen_from(ahead, steps)) / floor,
             net_rotation=net,
             tumbles=True,
         )
+    grid = np.linspace(edges[0], edges[-1], _HARMONIC_POINTS * cycles, endpoint=False)
+    angles = spline(grid)[:, 2:] - np.outer(grid - middle, drift[2:])
+    omega = 2 * np.pi / period
+    sine, cosine = (2 * (f(omega * grid) @ angles) / grid.size for f in (np.sin, np.cos))
     heading = means[:, 4]
-    ahead = 0.5 * (heading[1:] + heading[:-1])
-    c, s = np.cos(ahead), np.sin(ahead)
-    along = np.array(
-        (
-            np.mean(c * steps[:, 0] + s * steps[:, 1]),
-            np.mean(-s * steps[:, 0] + c * steps[:, 1]),
-        )
-    )
+    along = _seen_from(0.5 * (heading[1:] + heading[:-1]), steps)
     return SteadyState(
         speed=speed,
-        velocity=along,
+        velocity=along.mean(axis=0),
         yaw_rate=float(drift[4]),
         amplitude=np.hypot(sine, cosine),
         phase=np.arctan2(cosine, sine),
-        mean=mean,
+        mean=means.mean(axis=0)[2:],
         period=period,
         after=after,
         cycles=cycles,
-        variation=float(np.abs(lengths - speed).max() / floor),
+        variation=_deviation(along) / floor,
         net_rotation=net,
     )
+
+
+def _seen_from(heading: Array, steps: Array) -> Array:
+    """Steps in the plane (n, 2) along and across headings (n,) [rad]."""
+    c, s = np.cos(heading), np.sin(heading)
+    x, y = steps[:, 0], steps[:, 1]
+    return np.column_stack((c * x + s * y, c * y - s * x))
+
+
+def _deviation(steps: Array) -> float:
+    """Of one step from the mean, at most."""
+    return float(np.linalg.norm(steps - steps.mean(axis=0), axis=1).max())
 
 
 def _tumbles(euler: Array, time: Array, edges: Array, turn: float) -> bool:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import json
+import warnings
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
@@ -15,9 +16,9 @@ from rrrobot.checks import Array
 from rrrobot.contact.ground import Ground, normals
 from rrrobot.contact.saved import ground_from_dict
 from rrrobot.drive.laws import Memory
-from rrrobot.errors import ModelError, OutputError
+from rrrobot.errors import ModelError, OutputError, UnsettledWarning
 from rrrobot.files import read_bytes, write_whole
-from rrrobot.inline import html_table
+from rrrobot.inline import html_table, percent
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation import export, saved
 from rrrobot.simulation.events import Hit
@@ -185,6 +186,9 @@ class Trajectory:
             after: time from which whole cycles are counted [s]; half the duration by default.
             period: of the cycle [s]; the gait's by default.
 
+        Warns:
+            UnsettledWarning: single cycles differ by more than 5 %, `SteadyState.settled`.
+
         Example:
             >>> import rrrobot as rr
             >>> model = rr.FullModel(rr.Robot.from_parameters())
@@ -192,7 +196,17 @@ class Trajectory:
             >>> round(t.steady_state().speed, 5)
             0.00668
         """
-        return steady_state(self, after=after, period=period)
+        state = steady_state(self, after=after, period=period)
+        if not state.settled:
+            warnings.warn(
+                f"the motion has not settled: over the {state.cycles} cycles from "
+                f"{state.after:.4g} s on, the velocity of single cycles is up to "
+                f"{percent(state.variation)} from the mean. Simulate longer, or find the limit "
+                "cycle (limit_cycle).",
+                UnsettledWarning,
+                stacklevel=2,
+            )
+        return state
 
     def plot(self, kind: str = "all", ax: Any = None) -> Any:
         """Plot "angles", "path", "energy", "force" or "legs" on `ax`, or "all" in one figure.

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -9,12 +10,13 @@ import numpy as np
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import GaitBatch
 from rrrobot.models.base import Model
+from rrrobot.orbits.settling import between, settling_time
 from rrrobot.steering.motions import Motions
 from rrrobot.studies.optimisation.table import GaitLimits
 
 _SHARES = (0.95, 0.75, 0.5)
 """Of the limits, that the settled gaits may use: what gaits are blended asks for more."""
-_CYCLES, _COUNTED = 38, 2
+_CYCLES, _COUNTED, _LEFT = 38, 2, 0.001
 
 
 def within(
@@ -64,7 +66,10 @@ def settled(model: Model, motions: Motions) -> dict[str, Array]:
         np.column_stack((zero, motions.phase_difference)),
         np.full(n, motions.angular_frequency),
     )
+    low, high = (np.full(2, f(motions.offset)) for f in (np.min, np.max))
+    slow = settling_time(model, between(low, high), _LEFT) * motions.angular_frequency
+    cycles = max(_CYCLES, math.ceil(slow / (2 * math.pi)) + _COUNTED)
     found = steady_states(
-        lower(model), gaits, cycles=_CYCLES, counted=_COUNTED, steps_per_cycle=10, loads=True
+        lower(model), gaits, cycles=cycles, counted=_COUNTED, steps_per_cycle=10, loads=True
     )
     return dict(zip((*RESULT, *LOADS), found.T, strict=True))

@@ -170,7 +170,7 @@ def pareto_front(
     winding: ArrayLike = 0,
     limits: GaitLimits | None = None,
     settle: str = "cycles",
-    settle_time: float = 25.0,
+    settle_time: float | None = None,
     budget: int | None = None,
     seed: int = 0,
     progress: Progress = False,
@@ -214,8 +214,8 @@ def pareto_front(
     evaluator = prepare(model, space, limits, settle_time, budget, seed, settle)
     with progress_of(progress, "gaits", int(budget), "gaits") as evaluator.tell:
         tasks = _searched(evaluator, limits, weight_of(model), cost, n_points, seed)
-    settings = {"settle": settle, "settle_time": float(settle_time), "budget": int(budget),
-                "seed": int(seed)}  # fmt: skip
+    settings = {"settle": settle, "settle_time": evaluator.engine.settle_time,
+                "budget": int(budget), "seed": int(seed)}  # fmt: skip
     return _front(model, evaluator, tasks, cost, settings)
 
 

@@ -15,7 +15,7 @@ from rrrobot.inline import html_table
 from rrrobot.models.base import Model
 from rrrobot.simulation.measures import measured
 from rrrobot.simulation.run import simulate
-from rrrobot.simulation.steady import SteadyState
+from rrrobot.simulation.steady import SteadyState, steady_state
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.studies.optimisation.goals import Goal
 from rrrobot.studies.optimisation.saved import read_result, reading, write_result
@@ -155,7 +155,7 @@ def confirm(model: Model, gait: Gait, settle_time: float) -> tuple[Trajectory, S
     settled = np.ceil(settle_time / period) * period
     duration = settled + _CYCLES * period
     t = simulate(model, gait, duration, period / _SAMPLES)
-    state = t.steady_state(after=settled - 1e-9)
+    state = steady_state(t, after=settled - 1e-9)
     last = slice(-2 * _SAMPLES, None)
     row = measured(t, state, last)
     values = np.array([[float(row[name][0]) for name in columns()]])

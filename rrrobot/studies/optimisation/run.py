@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike
 from rrrobot.checks import Array, finite, whole
 from rrrobot.errors import GaitError, ModelError, ParameterError, SimulationError
 from rrrobot.models.base import Model
+from rrrobot.orbits.settling import between, settling_time
 from rrrobot.progress import Progress, progress_of
 from rrrobot.studies.optimisation.goals import Goal, as_goal
 from rrrobot.studies.optimisation.result import OptimisedGait, confirm
@@ -24,6 +25,9 @@ from rrrobot.studies.optimisation.table import GaitLimits, Table, discrepancy, f
 from rrrobot.studies.optimisation.task import TIGHT, Evaluator, Task
 
 _LEAST_BUDGET = 100
+_SETTLE_TIME, _LONGEST = 25.0, 1000.0
+_LEFT = 5e-6
+"""Of the slowest mode, when the counted cycles begin."""
 _TIPPED = (
     "every gait within the bounds tipped the robot to a pitch of 90 degrees: lower the amplitude "
     "or keep the frequency away from the body's own oscillations."
@@ -52,7 +56,7 @@ def optimise(
     winding: ArrayLike = 0,
     limits: GaitLimits | None = None,
     settle: str = "cycles",
-    settle_time: float = 25.0,
+    settle_time: float | None = None,
     budget: int | None = None,
     seed: int = 0,
     progress: Progress = False,
@@ -79,8 +83,10 @@ def optimise(
         settle: "cycles": simulate each gait from rest until it has settled; "orbit": find its
             limit cycle, and take gradients along the orbit: a fifth of the simulated cycles, or
             less. A gait whose orbit does not hold is outside a limit.
-        settle_time: simulated before the cycles that count [s]. Twice the slowest decay is too
-            short: `OptimisedGait.discrepancy` and `variation` tell.
+        settle_time: simulated before the cycles that count [s]. Unless given, 25, and more where
+            the slowest mode about rest, with the legs held at the ends or the middle of their
+            bounds, is not down to 5e-6 by then, which RRRobot's is; 1000 at most. A time that is
+            too short shows in `OptimisedGait.discrepancy` and in the result `variation`.
         budget: gaits that may be simulated, at least 100; 20 000 for each harmonic unless given.
         seed: the same seed gives the same bits.
         progress: see `rrrobot.progress`; in gaits, of the budget.
@@ -117,8 +123,8 @@ def optimise(
     if np.all(np.isnan(evaluator.archive()[1].speed)):
         raise GaitError(_TIPPED if settle == "cycles" else _ASTRAY)
     point, comes = attained(evaluator, task, point)
-    settings = {"settle": settle, "settle_time": float(settle_time), "budget": int(budget),
-                "seed": int(seed)}  # fmt: skip
+    settings = {"settle": settle, "settle_time": evaluator.engine.settle_time,
+                "budget": int(budget), "seed": int(seed)}  # fmt: skip
     return _result(model, evaluator, task, point, settings, comes=comes)
 
 
@@ -126,7 +132,7 @@ def prepare(
     model: Model,
     space: Space,
     limits: GaitLimits,
-    settle_time: float,
+    settle_time: float | None,
     budget: int,
     seed: int,
     settle: str,
@@ -144,13 +150,16 @@ def prepare(
         raise ModelError("the pivoting model has no friction to limit: use the full model.")
     if not isinstance(limits, GaitLimits):
         raise ParameterError(f"limits is {limits!r}: give GaitLimits(...).")
-    finite("settle_time", settle_time, "s", above=0.0)
+    if settle_time is None:
+        needed = settling_time(model, between(*space.offsets()), _LEFT)
+        settle_time = max(_SETTLE_TIME, min(needed, _LONGEST))
+    settle_time = finite("settle_time", settle_time, "s", above=0.0)
     whole("budget", budget, at_least=_LEAST_BUDGET)
     whole("seed", seed, at_least=0)
     # Numba loads here, so that it costs nobody who does not use it.
     from rrrobot.studies.optimisation.lanes import engine_of
 
-    engine = engine_of(model, float(settle_time), settle)
+    engine = engine_of(model, settle_time, settle)
     if engine.setting.tree.prismatic.any() and [0.0, np.pi] in space.to_dict()["offset"]:
         raise ParameterError(
             "a leg of this robot slides: give offset= and amplitude= in metres for it, as "

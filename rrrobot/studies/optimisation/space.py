@@ -108,6 +108,11 @@ class Space:
         """Numbers that may vary."""
         return self.free.size
 
+    def offsets(self) -> tuple[Array, Array]:
+        """Bounds of each leg's offset (legs,), (legs,) [rad]."""
+        low, high = (self._given["offset"] * np.ones((self.legs, 1))).T
+        return low, high
+
     def box(self) -> tuple[Array, Array]:
         """Bounds of points for a local search (n,), (n,); a full turn of phase has no ends."""
         low, high = np.zeros(self.lower.size), np.ones(self.lower.size)

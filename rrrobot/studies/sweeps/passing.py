@@ -1,4 +1,4 @@
-"""Which gaits of a sweep a robot's file does not allow, or swing a leg through the ground: told."""
+"""What is wrong with gaits of a sweep, told: not settled, legs in the ground, limits passed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
-from rrrobot.errors import GroundClearanceWarning, LimitWarning
+from rrrobot.errors import GroundClearanceWarning, LimitWarning, UnsettledWarning
+from rrrobot.inline import percent
+from rrrobot.results import SETTLED
 from rrrobot.robot.robot import Robot
 from rrrobot.studies.sweeps.grid import Plan
 
@@ -21,16 +23,26 @@ _MOST = 8
 
 
 def warn_of_gaits(robot: Robot, plan: Plan, columns: Mapping[str, NDArray[Any]]) -> None:
-    """Warn of gaits that the robot's file or the ground stands against.
+    """Warn of gaits that have not settled, or that the robot's file or the ground stands against.
 
     Positions and rates are those of the swing about the offset; who goes round passes every limit.
     Efforts are known of a sweep with loads: the largest torque of any leg, beside the least effort
     that the file allows one.
 
     Warns:
+        UnsettledWarning: how many gaits still change from cycle to cycle, and by how much.
         GroundClearanceWarning: how many gaits swing a leg through the ground.
         LimitWarning: each joint and limit, how many gaits pass it, and by how much at most.
     """
+    changes = columns["variation"][columns["variation"] > SETTLED]
+    if changes.size:
+        warnings.warn(
+            f"{changes.size} of {columns['variation'].size} gaits have not settled: their single "
+            f"cycles are up to {percent(float(changes.max()))} from the mean that is given. "
+            "Simulate more cycles (cycles=), or find limit cycles (settle='orbit').",
+            UnsettledWarning,
+            stacklevel=3,
+        )
     heights = columns["clearance"]
     touching = int(np.count_nonzero(heights <= 0))
     if touching:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 
-from rrrobot.checks import Array, whole
+from rrrobot.checks import Array
 from rrrobot.drive.gaits.base import check_turns
 from rrrobot.errors import ParameterError
 
@@ -55,17 +54,6 @@ def attributes(quantity: str, leg: str = "") -> dict[str, str]:
     """Name and unit of a coordinate."""
     unit, long_name = label_of(quantity)
     return {"long_name": f"{long_name}, {leg}" if leg else long_name, "units": unit}
-
-
-def run_settings(cycles: int, counted: int | None, steps: int) -> dict[str, int]:
-    """The numbers of cycles and steps of a run, checked."""
-    cycles = whole("cycles", cycles, at_least=2, at_most=100_000)
-    steps = whole("steps_per_cycle", steps, at_least=4, at_most=1000)
-    if counted is None:
-        counted = max(2, cycles - math.ceil(cycles / 2) - 1)
-    most = min(cycles, 200_000 // steps)
-    counted = whole("counted", counted, at_least=2, at_most=most)
-    return {"cycles": cycles, "counted": counted, "steps_per_cycle": steps}
 
 
 def size_of(name: str, grid: Any) -> int | None:

@@ -28,10 +28,10 @@ from rrrobot.models.recombined import DecoupledModels
 from rrrobot.progress import Progress, progress_of
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.simulation.evaluate import versions
+from rrrobot.studies.sweeps.counts import enough_cycles, run_settings
 from rrrobot.studies.sweeps.grid import Grid, Plan
 from rrrobot.studies.sweeps.job import Job
 from rrrobot.studies.sweeps.passing import warn_of_gaits
-from rrrobot.studies.sweeps.quantities import run_settings
 from rrrobot.studies.sweeps.store import Layout, ResultsFile
 from rrrobot.studies.sweeps.variants import Variants, engine_of
 
@@ -63,7 +63,7 @@ def sweep(
     yaw_amplitude: float | xr.DataArray | None = None,
     points: Mapping[str, ArrayLike] | Sequence[Gait] | None = None,
     parameters: Mapping[str, ArrayLike] | None = None,
-    cycles: int = 38,
+    cycles: int | None = None,
     counted: int | None = None,
     steps_per_cycle: int | None = None,
     store: str | Path | None = None,
@@ -103,9 +103,12 @@ def sweep(
         parameters: grids of the robot's parameters by name, for each of whose values the model is
             made anew: those of `RRRobotParameters`, for a robot that `Robot.from_parameters` made;
             of any other robot those that `robot.varied` takes, such as "LINK.mass".
-        cycles: simulated, from an impulsive start; 38 last 30 s at 8 rad/s.
-        counted: cycles at the end over which means are taken; those in the second half unless
-            given, as `Trajectory.steady_state` has it: the last 18 of 38.
+        cycles: simulated, from an impulsive start. Unless given, 38, which last 30 s at 8 rad/s,
+            and more where the slowest mode about rest, with the legs held at the ends or the
+            middle of their offsets, is not down to 0.1 % when the counted cycles begin; 10,000 at
+            most.
+        counted: cycles at the end over which means are taken. Unless given, 18, or with `cycles`
+            those in the second half, as `Trajectory.steady_state` has it.
         steps_per_cycle: of the fixed-step DOP853; 10 give the speed of sinusoidal gaits to 3e-7 on
             RRRobot. Unless given, 10 for those, and 8 more for each harmonic or turn of others.
         store: a netCDF file (.nc) that takes each chunk as it is finished. If it is there, what
@@ -143,6 +146,7 @@ def sweep(
             killed; its `dataset` holds what was computed.
 
     Warns:
+        UnsettledWarning: gaits change by more than 5 % from cycle to cycle, `variation`.
         GroundClearanceWarning: a gait swings a leg through the ground, `clearance` <= 0.
         LimitWarning: gaits pass limits of the robot's file: position, rate and, with loads, effort.
 
@@ -170,15 +174,17 @@ def sweep(
     if settle == "orbit" and plan.starts(0, 1) is not None:
         raise ParameterError("a limit cycle does not depend on its start: leave out start_roll and "
                              "start_pitch, or settle by cycles.")  # fmt: skip
-    steps = plan.steps if steps_per_cycle is None else steps_per_cycle
-    run = run_settings(cycles, counted, steps) | {"loads": loads}
-    if settle == "orbit":
-        run = {key: run[key] for key in ("steps_per_cycle", "loads")}
     if yaw_amplitude is not None:
         if not isinstance(model, DecoupledModels):
             raise ParameterError("yaw_amplitude is for DecoupledModels: leave it out.")
         plan.add_yaw_amplitude(yaw_amplitude)
     variants = Variants(model, {name: plan.coords[name][1] for name in parameters or {}}, settle)
+    steps = plan.steps if steps_per_cycle is None else steps_per_cycle
+    run = run_settings(cycles, counted, steps) | {"loads": loads}
+    if settle == "orbit":
+        run = {key: run[key] for key in ("steps_per_cycle", "loads")}
+    elif cycles is None:
+        run["cycles"] = enough_cycles(variants.ends(), plan, run["counted"])
     layout = Layout(plan.sizes, plan.coords, _attrs(model, variants.base, run) | {"settle": settle})
     if layout.size > LARGEST:
         raise ParameterError(

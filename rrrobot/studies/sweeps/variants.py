@@ -92,6 +92,13 @@ class Variants:
             self._last = number, engine_of(model, self._settle)
         return self._last[1]
 
+    def ends(self) -> list[Model | DecoupledModels]:
+        """The model with the first and with the last values of all parameters."""
+        if not self._grids:
+            return [self._model]
+        ends = [{name: float(grid[i]) for name, grid in self._grids.items()} for i in (0, -1)]
+        return [self._model.remade(self._robot(values)) for values in ends]
+
     def _robot(self, values: dict[str, Any]) -> Robot:
         if self.base is None:
             return varied(self._model.robot, values)
