@@ -490,7 +490,8 @@ def test_a_killed_worker_leaves_what_was_finished(
                     os.kill(process, signal.SIGKILL)
 
         with pytest.raises(rr.SweepError, match=r"ended at once .*keeps them") as error:
-            sweep(FULL, **GRIDS, store=store, chunk=2, executor=pool, progress=kill)
+            # One gait a chunk: most are not yet given to the worker when it dies.
+            sweep(FULL, **GRIDS, store=store, chunk=1, executor=pool, progress=kill)
     kept = error.value.dataset
     assert kept is not None
     assert 20 <= int((kept.status != -1).sum()) == done(store) < SIZE
