@@ -22,7 +22,7 @@ from rrrobot.drive.gaits import GaitBatch
 from rrrobot.escape.bench import Bench
 from rrrobot.escape.bodies import base_length, capsules_of
 from rrrobot.escape.goals import goal_of
-from rrrobot.escape.limits import EscapeLimits, Rules, joint_ends
+from rrrobot.escape.limits import EscapeLimits, Rules
 from rrrobot.escape.loss import rocking_damping, rocking_modes
 
 ROBOT = "solo12"
@@ -45,8 +45,9 @@ def ready(name: str = ROBOT) -> Ready:
     model = belly.model(damping=loss)
     decay = min(mode.decay_rate for mode in rocking_modes(model, belly.posture))
     bench = Bench(model, *capsules_of(belly.shapes, belly.covered), decay)
+    limits = EscapeLimits()
     rules = Rules(
-        goal_of("forward"), EscapeLimits(), joint_ends(belly.robot), belly.rolling_range.least,
+        goal_of("forward"), limits, limits.ends(belly.robot), belly.rolling_range.least,
         base_length(belly.shapes),
     )  # fmt: skip
     return Ready(belly, bench, rules)

@@ -97,8 +97,14 @@ COLUMNS: dict[str, Column] = {
     ),
     "normal_force": Column("N", "least normal force of the ground in the last cycle"),
     "pitch": Column("rad", "largest |pitch| from the start on"),
+    "tilt": Column(
+        "rad", "largest angle of the body's z axis from the ground's normal in the last cycle"
+    ),
     "clearance": Column("m", "least distance of any leg to the ground over the last cycle"),
     "peak_torque": Column("N m", "largest |motor torque| of any leg in the last cycle", loads=True),
+    "torque_share": Column(
+        "1", "largest |motor torque| over what the file allows its joint", loads=True
+    ),
     "rms_torque": Column(
         "N m", "root of the mean sum of squared motor torques over the last cycle", loads=True
     ),
@@ -113,8 +119,8 @@ Amplitudes and phases are of the first harmonic. A leg is where its links' masse
 `rrrobot.momentum.heights`. The motors' torques include the damping of their joints; those of a
 prismatic leg are forces [N]. Friction is NaN for pivoted models, which have no contact that could
 slip; for roll and pitch models it is that of all that holds the body, their guides included.
-Forces, torques and the largest pitch are NaN for decoupled models, whose motion no forces of the
-whole robot make.
+`torque_share` is 0 where the robot's file limits no effort. Forces, torques, the largest pitch
+and tilt are NaN for decoupled models, whose motion no forces of the whole robot make.
 """
 
 

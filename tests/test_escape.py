@@ -11,12 +11,13 @@ from rrrobot.escape.bench import Bench, Outcome
 from rrrobot.escape.bodies import capsules_of
 from rrrobot.escape.capsules import Capsules, clearances
 from rrrobot.escape.goals import goal_of
-from rrrobot.escape.limits import EscapeLimits, JointEnds, Rules, extent, joint_ends
+from rrrobot.escape.limits import EscapeLimits, Rules
 from rrrobot.escape.loss import rocking_damping, rocking_modes
 from rrrobot.escape.polish import judge, polish
 from rrrobot.escape.small import best_small, cost, small_gaits
 from rrrobot.escape.spaces import spaces, symmetric
 from rrrobot.momentum.tree import tree_of
+from rrrobot.robot.limits import JointEnds
 from tests.some import some
 
 UP = np.array((0.0, 2.7, 0.3) * 2)
@@ -241,7 +242,7 @@ def test_extent_of_gaits_with_harmonics():
         rng.normal(size=(3, 2)), np.zeros((3, 2)), rng.normal(size=(3, 2, 2)),
         rng.normal(size=(3, 2, 2)), np.array((2.0, 5.0, 9.0)),
     )  # fmt: skip
-    low, high, rate = extent(gaits)
+    low, high, rate = gaits.reach()
     for i in range(3):
         motion = gaits.gait(i)(np.linspace(0, 2 * np.pi / gaits.angular_frequency[i], 4001))
         np.testing.assert_allclose(low[i], motion.angle.min(axis=0), atol=0.02)
@@ -252,9 +253,10 @@ def test_extent_of_gaits_with_harmonics():
 def test_effort_limits_that_limit_nothing_are_none():
     strong = rr.robot.legged_urdf(2, max_torque=1000.0)
     robot = rr.Robot.from_urdf(strong, shell=rr.Sphere(0.3))
-    assert set(joint_ends(robot).unlimited) == set(robot.legs)
+    assert robot.joints.unlimited == robot.legs and np.isinf(robot.joints.effort).all()
     robot = rr.Robot.from_urdf(rr.robot.legged_urdf(2, max_torque=3.0), shell=rr.Sphere(0.3))
-    assert joint_ends(robot).unlimited == ()
+    assert robot.joints.unlimited == () and (robot.joints.effort == 3.0).all()
+    assert rr.Robot.from_parameters().joints.unlimited == ()  # 1e9: nobody would take it for one
 
 
 # Polish
@@ -275,7 +277,7 @@ class Landscape:
 
 
 def test_polish_finds_the_constrained_optimum():
-    ends = JointEnds(np.full(2, -9.0), np.full(2, 9.0), np.full(2, 99.0), np.full(2, np.inf), ())
+    ends = JointEnds(np.full(2, -9.0), np.full(2, 9.0), np.full(2, 99.0), np.full(2, np.inf))
     rules = Rules(goal_of("forward"), EscapeLimits(friction=0.25), ends, 0.3, 0.4)
     bench = Landscape()
     start = GaitBatch(
@@ -293,7 +295,7 @@ def test_polish_finds_the_constrained_optimum():
 
 
 def test_grown_gaits_keep_within_every_limit(bench):
-    ends = joint_ends(bench.model.robot)
+    ends = EscapeLimits().ends(bench.model.robot)
     rules = Rules(goal_of("forward"), EscapeLimits(), ends, 0.25, 0.3)
     atlas = Atlas(bench, bench.model, UP[None], ends, 0.25, ("all", "opposite"), (0.9, 1.1))
     seeds = atlas.seeds(rules, 4)

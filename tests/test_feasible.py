@@ -9,7 +9,6 @@ import pytest
 import rrrobot as rr
 from rrrobot.belly import MotionLimits, feasibility
 from rrrobot.belly.tilting import tilts
-from rrrobot.robot.limits import placeholders
 from tests.test_belly import BALL, board
 
 GAIT = rr.SinusoidalGait(
@@ -62,9 +61,10 @@ def test_joint_limits_are_of_each_joint_and_huge_efforts_are_none(belly):
     assert one.where == "left_hip" and one.limit == -1.0
     assert one.amount == pytest.approx(0.2, abs=1e-3)
     solo = rr.Robot.from_example("solo12", shell=rr.Sphere(0.3))
-    assert placeholders(solo) == solo.legs and placeholders(belly.robot) == ()
+    assert solo.joints.unlimited == solo.legs and np.isinf(solo.joints.effort).all()
+    assert belly.robot.joints.unlimited == ()
     anymal = rr.Robot.from_example("anymal", shell=rr.Sphere(0.3))
-    assert placeholders(anymal) == ()
+    assert anymal.joints.unlimited == () and np.isfinite(anymal.joints.effort).all()
 
 
 def test_the_tilt_is_that_of_the_range(belly):

@@ -18,18 +18,21 @@ from rrrobot.momentum.batch import lower, steady_states
 from rrrobot.momentum.coefficients import coefficients
 from rrrobot.momentum.forces import bodies
 from rrrobot.momentum.loads import TORQUE, loads, n_signals
+from rrrobot.rotations import rotation_from_euler
 from rrrobot.studies.optimisation.goals import (
     FastestTravel,
     LeastEffort,
     TargetMotion,
     TightestTurn,
+    as_goal,
 )
 from rrrobot.studies.optimisation.lanes import engine_of
 from rrrobot.studies.optimisation.pareto import ParetoFront, pareto_front
 from rrrobot.studies.optimisation.result import OptimisedGait, confirm
 from rrrobot.studies.optimisation.run import optimise
 from rrrobot.studies.optimisation.space import Space
-from rrrobot.studies.optimisation.table import GaitLimits, Table, columns
+from rrrobot.studies.optimisation.table import GaitLimits, Joints, Table, columns
+from rrrobot.studies.optimisation.task import Task
 from tests.random_robot import random_robot
 
 SETTLE = 15.0
@@ -118,13 +121,13 @@ def test_results_equal_those_of_a_kkt_simulation(harmonics: int) -> None:
     _, state, measured = confirm(model, gait, 12.0)
     assert found.speed[0] == pytest.approx(state.speed, rel=1e-5)
     assert found.yaw_rate[0] == pytest.approx(state.yaw_rate, rel=1e-4)
-    for name in ("pitch", "normal_force", "friction", "rms_torque", "peak_torque", "power",
+    for name in ("pitch", "tilt", "normal_force", "friction", "rms_torque", "peak_torque", "power",
                  "clearance"):  # fmt: skip
         a, b = getattr(found, name)[0], getattr(measured, name)[0]
         assert a == pytest.approx(b, rel=5e-3), name
-    for name in ("rate", "acceleration"):
-        a, b = getattr(found, name)[0], getattr(measured, name)[0]
-        assert a == pytest.approx(b, rel=3e-3), name
+    for name in Joints._fields:
+        a, b = getattr(found.joints, name)[0], getattr(measured.joints, name)[0]
+        assert a == pytest.approx(b, rel=5e-3), name
 
 
 def test_a_gait_is_not_changed_by_its_neighbours(model: rr.FullModel) -> None:
@@ -189,7 +192,7 @@ def test_no_other_gait_is_better(model: rr.FullModel, goal, column, sign: int) -
     space = Space(2, phase_difference=(0, 2 * np.pi), **box)
     gaits = space.population(np.random.default_rng(99).random((600, space.n)))
     table = engine_of(model, SETTLE)(gaits)
-    slack = GaitLimits().slack(table, 5.1)
+    slack = Task.of(model, as_goal(goal), GaitLimits()).told(table)
     valid = np.all([s >= 0 for s, _ in slack.values()], axis=0) & (table.speed >= 0.002)
     assert valid.sum() > 100
     assert best.value == pytest.approx(float(column(_one(best))[0]), rel=1e-9)
@@ -198,7 +201,7 @@ def test_no_other_gait_is_better(model: rr.FullModel, goal, column, sign: int) -
 
 def _one(found: OptimisedGait) -> Table:
     row = np.array([[found.measured.get(name, 0.0) for name in columns()]])
-    return Table(row, np.zeros(1), np.zeros(1))
+    return Table(row, Joints(*[np.zeros((1, 0))] * 3, np.zeros(1), np.zeros((1, 0))))
 
 
 def test_a_target_is_met(target: OptimisedGait) -> None:
@@ -274,7 +277,7 @@ def test_the_pivoting_model_can_be_optimised() -> None:
 @pytest.mark.slow
 def test_limits_hold_in_a_kkt_simulation(model: rr.FullModel) -> None:
     limits = GaitLimits(
-        friction=0.05, max_curvature=0.5, max_torque=0.06, max_leg_acceleration=60.0, max_pitch=0.4
+        friction=0.05, max_curvature=0.5, max_torque=0.06, max_leg_acceleration=60.0, max_tilt=0.4
     )
     best = optimise(model, "fastest", limits=limits, budget=2000, settle_time=SETTLE)
     assert best.met
@@ -283,11 +286,114 @@ def test_limits_hold_in_a_kkt_simulation(model: rr.FullModel) -> None:
     assert t.normal_force.min() > 0.05 * 5.1
     assert 0.04 < t.required_friction[late].max() < 0.05
     assert np.abs(t.leg_torque[late]).max() < 0.06
-    assert np.abs(t.euler[:, 1]).max() < 0.4
+    assert t.tilt[late].max() < 0.4
     assert abs(t.steady_state(after=18.0).curvature) < 0.5
     motion = best.gait(np.linspace(0, 3, 2000))
     assert np.abs(motion.acceleration).max() < 60.0
     assert best.value > 0.005
+
+
+def test_the_tilt_counts_roll_and_pitch_together(model: rr.FullModel) -> None:
+    """A gait that rolls: its pitch is small, its tilt is not, and a limit on it is told."""
+    gaits = GaitBatch.sinusoidal(np.array([[1.0, 2.2]]), np.full((1, 2), 0.4),
+                                 np.array([[0.0, 1.0]]), np.array([6.0]))  # fmt: skip
+    table = engine_of(model, SETTLE)(gaits)
+    t, _, row = confirm(model, gaits.gait(0), SETTLE)
+    late = t.euler[-48:]
+    up = np.array([rotation_from_euler(euler)[2, 2] for euler in late])
+    assert row.tilt[0] == pytest.approx(np.arccos(up).max(), rel=1e-4)
+    assert table.tilt[0] == pytest.approx(row.tilt[0], rel=3e-3)
+    assert np.abs(late[:, 1]).max() < table.tilt[0] - 0.01
+    kept = {"offset": [[1.0] * 2, [2.2] * 2], "amplitude": 0.4, "phase_difference": 1.0}
+    for most, met in ((1.05, True), (0.95, False)):
+        limits = GaitLimits(max_tilt=most * float(table.tilt[0]))
+        found = optimise(model, "fastest", **kept, angular_frequency=6.0, limits=limits,
+                         settle_time=SETTLE)  # fmt: skip
+        assert any("tilt above" in s for s in found.shortfalls) != met
+
+
+@pytest.mark.parametrize("ground", [rr.Plane((0.0, 0.1, 1.0)), rr.Boulder(0.8)])
+def test_the_tilt_is_from_the_ground_s_normal(ground) -> None:
+    model = rr.FullModel(rr.Robot.from_parameters(), ground=ground)
+    gaits = GaitBatch.sinusoidal(np.full((1, 2), np.pi / 2), np.full((1, 2), 0.2),
+                                 np.array([[0.0, 1.0]]), np.array([6.0]))  # fmt: skip
+    table = engine_of(model, 2.0)(gaits)
+    period = 2 * np.pi / 6.0
+    end = (np.ceil(2.0 / period) + 4) * period
+    t = rr.simulate(model, gaits.gait(0), end, 0.004, method="momentum")
+    last = t.time > end - period
+    down = [rotation_from_euler(e).T @ n for e, n in zip(t.euler, t.ground_normal, strict=True)]
+    tilt = np.arccos(np.array(down)[last, 2])
+    np.testing.assert_allclose(t.tilt[last], tilt, atol=1e-7)
+    assert table.tilt[0] == pytest.approx(tilt.max(), rel=2e-3)
+
+
+def _mirrored(axis: str, limits: str = 'lower="-1.2" upper="1.9"') -> rr.Robot:
+    """Two legs that swing up and down beside the base; the left one's axis as given."""
+
+    def leg(name: str, side: int, axis: str, limits: str) -> str:
+        return (
+            f'<link name="{name}_l"><inertial><origin xyz="0.01 {0.1 * side} 0"/>'
+            '<mass value="0.06"/><inertia ixx="1e-5" ixy="0" ixz="0" iyy="1e-5" iyz="0" '
+            f'izz="1e-5"/></inertial></link><joint name="{name}" type="revolute"><parent '
+            f'link="body"/><child link="{name}_l"/><origin xyz="0.02 {0.1 * side} 0.05"/>'
+            f'<axis xyz="{axis}"/><limit {limits} effort="2" velocity="9"/></joint>'
+        )
+
+    right = 'lower="-1.9" upper="1.2"'
+    text = (
+        '<robot name="r"><link name="body"><inertial><origin xyz="0 0 -0.08"/><mass value="0.4"/>'
+        '<inertia ixx="1e-3" ixy="0" ixz="0" iyy="1e-3" iyz="0" izz="1e-3"/></inertial></link>'
+        f"{leg('left', 1, axis, limits)}"
+        f"{leg('right', -1, '1 -1 0', right)}</robot>"
+    )
+    return rr.Robot.from_urdf(text, shell=rr.Sphere(0.12), legs=("left", "right"))
+
+
+@pytest.mark.parametrize(
+    ("axis", "limits", "sign"),
+    [("1 1 0", 'lower="-1.2" upper="1.9"', -1), ("-1 -1 0", 'lower="-1.9" upper="1.2"', 1)],
+)
+def test_tied_legs_mirror_each_other_as_their_axes_do(axis, limits, sign) -> None:
+    """Axes written alike, or each its own way: the body only pitches."""
+    robot = _mirrored(axis, limits)
+    model = rr.FullModel(robot, damping=rr.BodyRateDamping(0.01, 0.01, 0.01))
+    best = optimise(model, "fastest", tied=True, phase_difference=0.0, budget=100, settle_time=4.0,
+                    angular_frequency=(6.0, 9.0))  # fmt: skip
+    (left, right) = best.gait(np.linspace(0.0, 1.0, 9)).angle.T
+    np.testing.assert_allclose(right, sign * left, rtol=0, atol=1e-12)
+    assert np.ptp(left) > 0.05 and abs(left.mean()) > 1e-3
+    state = best.steady_state
+    assert abs(state.velocity[1]) < 1e-9 and abs(state.yaw_rate) < 1e-8
+    roll, pitch, yaw = state.amplitude
+    assert pitch > 0.02 and max(roll, yaw) < 1e-9
+
+
+def test_legs_that_do_not_mirror_cannot_be_tied() -> None:
+    with pytest.raises(rr.ParameterError, match=r"no two legs of .* mirror each other"):
+        optimise(rr.FullModel(random_robot(2, 3), damping=0.3), "fastest", tied=True)
+
+
+def test_each_joint_has_its_own_limits() -> None:
+    robot = _mirrored("1 1 0")
+    assert GaitLimits().ends(robot).upper.tolist() == [1.9, 1.2]
+    limits = GaitLimits(max_torque=(0.05, 9.0), max_leg_rate=np.inf, leg_range=((-1, 1), (-2, 2)))
+    ends = limits.ends(robot)
+    assert ends.effort.tolist() == [0.05, 9.0] and np.isinf(ends.velocity).all()
+    assert ends.lower.tolist() == [-1.0, -2.0]
+    again = GaitLimits.from_dict(json.loads(json.dumps(limits.to_dict(), allow_nan=False)))
+    assert again == limits
+    model = rr.FullModel(robot, damping=rr.BodyRateDamping(0.01, 0.01, 0.01))
+    kept = {"offset": [[0.4] * 2, [1.0] * 2], "amplitude": 0.3, "angular_frequency": 7.0,
+            "phase_difference": 1.0, "settle_time": 3.0}  # fmt: skip
+    with pytest.warns(rr.LimitWarning):
+        (fast, up) = optimise(model, "fastest", **kept, limits=GaitLimits(
+            max_leg_rate=(9.0, 2.0), max_variation=9.0)).shortfalls  # fmt: skip
+    assert fast.startswith("rate of right above 2 ") and up.startswith("right goes above 1.2 ")
+    with pytest.warns(rr.LimitWarning):
+        (told,) = optimise(model, "fastest", **kept, limits=GaitLimits(
+            max_torque=(1e-3, 9.0), leg_range=(-9, 9), max_variation=9.0)).shortfalls  # fmt: skip
+    assert told.startswith("motor torque of left above 0.001 N m")
 
 
 def test_an_unreachable_target_gives_the_nearest_and_says_so(model: rr.FullModel) -> None:
@@ -305,7 +411,9 @@ def test_an_unreachable_target_gives_the_nearest_and_says_so(model: rr.FullModel
 def test_limits_that_no_gait_meets_are_named(model: rr.FullModel) -> None:
     limits = GaitLimits(max_torque=1e-4)
     found = optimise(model, "fastest", limits=limits, budget=150, settle_time=3.0, offset=1.0)
-    assert not found.met and any("motor torque above 0.0001" in s for s in found.shortfalls)
+    assert not found.met and any(
+        "motor torque of leg_1 above 0.0001" in s for s in found.shortfalls
+    )
     assert np.isnan(found.history[:, 1]).all()
     with pytest.raises(rr.GaitError, match="no front"):
         pareto_front(model, limits=limits, budget=300, settle_time=3.0, offset=1.0)
@@ -397,8 +505,17 @@ def test_bad_input_is_told(model: rr.FullModel, options: dict, text: str) -> Non
         (lambda: TargetMotion(speed=0.01, curvature=1.0, yaw_rate=1.0), "one of the two"),
         (lambda: TargetMotion(speed=-0.01, curvature=1.0), "speed is -0.01"),
         (lambda: GaitLimits(friction=-0.1), "friction is -0.1"),
-        (lambda: GaitLimits(max_pitch=None), "max_pitch"),  # type: ignore[arg-type]
+        (lambda: GaitLimits(max_tilt=None), "max_tilt"),  # type: ignore[arg-type]
         (lambda: GaitLimits(min_normal_force=-1.0), "min_normal_force"),
+        (lambda: GaitLimits(max_torque=0.0), "max_torque is 0.0: it must be a number above 0"),
+        (lambda: GaitLimits(max_torque="much"), "max_torque is 'much'"),
+        (lambda: GaitLimits(max_leg_rate=(1.0, -2.0)), "max_leg_rate is (1.0, -2.0)"),
+        (lambda: GaitLimits(leg_range=(1.0, -1.0)), "leg_range is (1.0, -1.0)"),
+        (lambda: GaitLimits(leg_range=(1.0, 2.0, 3.0)), "(low, high), the lower one first"),
+        (
+            lambda: GaitLimits(max_torque=(1.0, 2.0, 3.0)).ends(rr.Robot.from_parameters()),
+            "max_torque has 3 entries: the robot has 2 legs",
+        ),
     ],
 )
 def test_bad_goals_and_limits_are_told(make, text: str) -> None:

@@ -5,6 +5,7 @@ import pytest
 
 import rrrobot as rr
 from rrrobot.results import STATUS
+from rrrobot.robot.chains import ties_of
 from rrrobot.studies.optimisation.lanes import engine_of
 from rrrobot.studies.optimisation.run import prepare
 from rrrobot.studies.optimisation.search import _Local, attained, search
@@ -48,7 +49,8 @@ def test_the_same_optimum_with_a_fifth_of_the_cycles(name, goal, box, tolerance)
     box = {"offset": (0.0, np.pi), "amplitude": (0.0, 0.5), "angular_frequency": (2.0, 14.0),
            "phase_difference": (0.0, 2 * np.pi)} | box  # fmt: skip
     budget, seed = box.pop("budget"), box.pop("seed", 0)
-    task = Task(goal, GaitLimits(), ROBOT.mass * 9.81)
+    box["ties"] = ties_of(ROBOT) if box.pop("tied", False) else None
+    task = Task.of(MODEL, goal, GaitLimits())
     cycles, values = {}, {}
     for settle in ("cycles", "orbit"):
         evaluator = prepare(MODEL, Space(2, **box), GaitLimits(), 25.0, budget, seed, settle)
@@ -84,7 +86,7 @@ def test_gradients_are_the_orbits_sensitivities():
     box = {"offset": (0.2, 2.8), "amplitude": (0.1, 0.5), "angular_frequency": (4.0, 10.0)}
     space = Space(2, phase_difference=(0.0, 2 * np.pi), **box)
     evaluator = Evaluator(engine_of(MODEL, 25.0, "orbit"), space, 100)
-    task = Task(rr.studies.FastestTravel(), GaitLimits(), 5.1)
+    task = Task.of(MODEL, rr.studies.FastestTravel(), GaitLimits())
     x = np.array((0.3, 0.4, 0.55, 0.5, 0.2, 0.7))
     local = _Local(evaluator, task, x, np.ones(6, dtype=bool), False)
     slopes = -local.slope("objective", x) * local.scale
@@ -104,7 +106,7 @@ def test_a_cycle_that_does_not_hold_is_outside_a_limit():
     assert any("limit cycle does not hold: a Floquet multiplier of" in s for s in found.shortfalls)
     table = engine_of(MODEL, 10.0, "orbit")(Space(2, **gait).population(np.zeros((1, 0))))
     assert STATUS[int(table.status[0])] == "orbit_unstable" and table.multiplier[0] > 1
-    task = Task(rr.studies.FastestTravel(), GaitLimits(), 5.1)
+    task = Task.of(MODEL, rr.studies.FastestTravel(), GaitLimits())
     assert task.slacks(table)["stable"][0] < 0 and not task.reached(table)
 
 

@@ -5,7 +5,7 @@ import pytest
 
 import rrrobot as rr
 from rrrobot.escape.goals import goal_of
-from rrrobot.escape.limits import EscapeLimits, joint_ends
+from rrrobot.escape.limits import EscapeLimits
 from rrrobot.escape.rolling_off import roll_off, way_of
 from tests.test_belly import BALL, HEIGHT, LENGTH, MASS, WIDTH, joint, link
 
@@ -29,7 +29,7 @@ def crane():
 
 
 def off(belly, goal, **options):
-    ends = joint_ends(belly.robot)._replace(velocity=np.array((3.0,)))
+    ends = LIMITS.ends(belly.robot)._replace(velocity=np.array((3.0,)))
     return roll_off(belly, goal_of(goal), LIMITS, ends, damping=0.3, **{"floor": 1.0, **options})
 
 

@@ -20,7 +20,7 @@ from rrrobot.belly.shapes import Shapes
 from rrrobot.belly.tilting import tilts
 from rrrobot.checks import Array, finite
 from rrrobot.contact.ground import Ground, normals
-from rrrobot.robot.limits import placeholders
+from rrrobot.robot.limits import JointLimits
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.events import Event, Snapshot
 from rrrobot.simulation.trajectory import Trajectory
@@ -33,8 +33,8 @@ _ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, kw_only=True)
-class MotionLimits:
-    """What a motion must keep to; None leaves a quantity out.
+class MotionLimits(JointLimits):
+    """What a motion must keep to; None leaves a quantity out, but of joints takes the file's.
 
     Attributes:
         normal_force: least force along the ground's normal [N].
@@ -42,7 +42,8 @@ class MotionLimits:
         tilt: largest tilt of the belly [rad]; that of its rolling range unless given.
         clearance: least distance of a limb's link from the ground [m].
         separation: least distance of two links that count [m].
-        joints: whether the file's limits of position, rate and effort count.
+        max_torque, max_leg_rate, leg_range: of the joints, those of the robot's file unless given;
+            see `JointLimits`.
         power: largest sum of the motors' |torque x rate| [W].
 
     Raises:
@@ -59,10 +60,10 @@ class MotionLimits:
     tilt: float | None = None
     clearance: float | None = 0.0
     separation: float | None = 0.0
-    joints: bool = True
     power: float | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         for name, least in (("friction", 0.0), ("power", 0.0), ("tilt", 0.0)):
             if getattr(self, name) is not None:
                 finite(name, getattr(self, name), at_least=least)
@@ -119,7 +120,7 @@ class Feasibility:
             NaN without a belly.
         clearance, separation: least distances of the run [m]; of limbs from the ground, but for
             links that the belly holds, and of links from each other.
-        placeholders: joints whose effort limit is far beyond what could ever act, so none.
+        unlimited: joints whose effort limit is far beyond what could ever act, so none.
         distances: from the ground and between links, see `clearances`; None if not asked for.
     """
 
@@ -131,7 +132,7 @@ class Feasibility:
     least_force: float
     clearance: float
     separation: float
-    placeholders: tuple[str, ...]
+    unlimited: tuple[str, ...]
     distances: Clearances | None = field(repr=False, default=None)
 
     @property
@@ -147,8 +148,8 @@ class Feasibility:
 
     def __str__(self) -> str:
         told = [str(one) for one in self.violations] or ["all limits are kept"]
-        if self.placeholders:
-            told.append(f"no effort limit worth the name: {', '.join(self.placeholders)}")
+        if self.unlimited:
+            told.append(f"no effort limit worth the name: {', '.join(self.unlimited)}")
         return "; ".join(told)
 
 
@@ -217,7 +218,7 @@ def feasibility(
         float(normal.min()),
         limb,
         np.inf if distances is None else float(distances.between.min()),
-        placeholders(t.robot),
+        t.robot.joints.unlimited,
         distances,
     )
 
@@ -301,14 +302,12 @@ def _rows(
             i, j = shapes.pairs[int(which)]
             names = f"{shapes.pieces[i].link} and {shapes.pieces[j].link}"
             add("separation", names, apart, limits.separation, -1)
-    if limits.joints:
-        joints, idle = robot.joints, placeholders(robot)
-        for k, leg in enumerate(robot.legs):
-            add("position", leg, at.leg_angle[:, k], joints.upper[k], 1)
-            add("position", leg, at.leg_angle[:, k], joints.lower[k], -1)
-            add("rate", leg, np.abs(at.leg_rate[:, k]), joints.velocity[k], 1)
-            effort = np.inf if leg in idle else joints.effort[k]
-            add("effort", leg, np.abs(at.leg_torque[:, k]), effort, 1)
+    ends = limits.ends(robot)
+    for k, leg in enumerate(robot.legs):
+        add("position", leg, at.leg_angle[:, k], ends.upper[k], 1)
+        add("position", leg, at.leg_angle[:, k], ends.lower[k], -1)
+        add("rate", leg, np.abs(at.leg_rate[:, k]), ends.velocity[k], 1)
+        add("effort", leg, np.abs(at.leg_torque[:, k]), ends.effort[k], 1)
     return rows
 
 

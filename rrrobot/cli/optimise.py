@@ -112,7 +112,9 @@ class BoundOptions(Group):
     harmonics: int = option(
         "--harmonics", type=int, default=1, show_default=True, help="Of the gait."
     )
-    tied: bool = option("--tied", is_flag=True, help="One offset and one amplitude for all legs.")
+    tied: bool = option(
+        "--tied", is_flag=True, help="One offset and one amplitude for legs that mirror."
+    )
 
     def settings(self) -> dict[str, Any]:
         """Keywords of `optimise`."""
@@ -132,12 +134,19 @@ class LimitOptions(Group):
         "--friction", type=NUMBER, help="Coefficient that the ground offers."
     )
     max_curvature: float | None = option("--max-curvature", type=NUMBER, help="Of the path [1/m].")
-    max_torque: float | None = option("--max-torque", type=NUMBER, help="Of each motor [N m].")
-    max_leg_rate: float | None = option("--max-leg-rate", type=NUMBER, help="[rad/s]")
+    max_torque: float | None = option(
+        "--max-torque", type=NUMBER, help="Of each motor [N m]; the file's unless given."
+    )
+    max_leg_rate: float | None = option(
+        "--max-leg-rate", type=NUMBER, help="[rad/s]; the file's unless given."
+    )
     max_leg_acceleration: float | None = option(
         "--max-leg-acceleration", type=NUMBER, help="[rad/s^2]"
     )
-    max_pitch: float | None = option("--max-pitch", type=NUMBER, help="[rad]; 1.2 unless given.")
+    max_tilt: float | None = option(
+        "--max-tilt", type=NUMBER,
+        help="Of the body's z axis from the ground's normal [rad]; 1.2 unless given.",
+    )  # fmt: skip
     min_normal_force: float | None = option(
         "--min-normal-force", type=NUMBER, help="Over the weight; 0.05 unless given."
     )
@@ -291,11 +300,13 @@ def _table(found: OptimisedGait) -> str:
         ("motor power", f"{m['power']:.4g} W"),
         ("least normal force", f"{m['normal_force']:.4g} N"),
         ("friction needed", f"{m['friction']:.3g}"),
-        ("largest pitch", f"{np.rad2deg(m['pitch']):.1f} deg"),
+        ("largest tilt", f"{np.rad2deg(m['tilt']):.1f} deg"),
         ("legs' least height", f"{1000 * m['clearance']:.1f} mm"),
         ("confirmed", f"by the KKT model to {found.discrepancy:.1g}"),
         ("searched", _searched(found)),
     ]
+    if none := found.trajectory.robot.joints.unlimited:
+        rows.append(("no effort limit", f"{', '.join(none)}: the file's are placeholders"))
     if found.lift_off_time is not None:
         rows.append(("LIFTS OFF", f"at {found.lift_off_time:.3g} s: blend in, as --ramp does"))
     return aligned(rows)

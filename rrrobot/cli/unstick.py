@@ -113,7 +113,7 @@ def unstick_command(
     from rrrobot.escape.spaces import GROUPS
     from rrrobot.escape.story import unstick
 
-    given = {"friction": friction, "clearance": clearance}
+    given: dict[str, Any] = {"friction": friction, "clearance": clearance}
     limits = EscapeLimits(**{key: value for key, value in given.items() if value is not None})
     place = GROUNDS[ground.kind].make(ground.numbers, None)
     fit: dict[str, Any] = {"form": form, "ground": place}

@@ -11,7 +11,7 @@ from rrrobot.checks import Array
 from rrrobot.drive.gaits import GaitBatch
 from rrrobot.errors import ModelError
 from rrrobot.escape.bench import Bench
-from rrrobot.escape.limits import JointEnds, Rules
+from rrrobot.escape.limits import Rules
 from rrrobot.escape.loss import rocking_modes
 from rrrobot.escape.polish import Judged, judge
 from rrrobot.escape.small import (
@@ -25,6 +25,7 @@ from rrrobot.escape.small import (
 )
 from rrrobot.escape.spaces import spaces
 from rrrobot.models.base import Model
+from rrrobot.robot.limits import JointEnds
 
 NEAR = (0.8, 0.9, 1.0, 1.1, 1.2)
 """Frequencies over those of the rocking modes."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,8 +12,7 @@ from rrrobot.checks import Array, finite
 from rrrobot.drive.gaits import GaitBatch
 from rrrobot.escape.bench import Outcome
 from rrrobot.escape.goals import Escape
-from rrrobot.robot.limits import placeholders
-from rrrobot.robot.robot import Robot
+from rrrobot.robot.limits import JointEnds, JointLimits
 
 _VARIATION = 0.01
 LENGTH = 0.1
@@ -23,16 +22,19 @@ TOUCH = 1e-4
 
 
 @dataclass(frozen=True, kw_only=True)
-class EscapeLimits:
-    """What a gait must keep within beside the joint limits of the robot's file.
+class EscapeLimits(JointLimits):
+    """What a gait must keep within.
 
     Attributes:
         friction: coefficient that the ground offers.
         normal_force: least normal force over the weight.
-        tilt: largest tilt of the base [rad]; the belly's rolling range unless given.
+        tilt: largest angle of the base's z axis from the ground's normal, roll and pitch together
+            [rad]; the belly's rolling range unless given.
         clearance: least distance of limbs and base from the ground, but for the belly [m].
         separation: least distance of links from each other [m].
-        use: part of the joints' limits of velocity and effort, and of the tilt, that may be used.
+        use: part of the joints' limits of rate and torque, and of the tilt, that may be used.
+        max_torque, max_leg_rate, leg_range: of the joints, those of the robot's file unless given;
+            see `JointLimits`.
 
     Raises:
         ParameterError: a number out of range.
@@ -51,6 +53,7 @@ class EscapeLimits:
     use: float = 0.95
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         finite("friction", self.friction, above=0)
         finite("normal_force", self.normal_force, at_least=0)
         if self.tilt is not None:
@@ -63,35 +66,9 @@ class EscapeLimits:
         """What a run of a robot of this weight [N] is held against; links may touch."""
         return MotionLimits(
             normal_force=self.normal_force * weight, friction=self.friction, tilt=self.tilt,
-            clearance=0.0, separation=-TOUCH,
+            clearance=0.0, separation=-TOUCH, max_torque=self.max_torque,
+            max_leg_rate=self.max_leg_rate, leg_range=self.leg_range,
         )  # fmt: skip
-
-    def to_dict(self) -> dict[str, Any]:
-        """As plain data."""
-        return asdict(self)
-
-
-class JointEnds(NamedTuple):
-    """What the joints can do; infinite where the file has no limit that binds."""
-
-    lower: Array
-    """(legs,) [rad]"""
-    upper: Array
-    velocity: Array
-    """[rad/s]"""
-    effort: Array
-    """[N m]"""
-    unlimited: tuple[str, ...]
-    """joints whose effort limit is none"""
-
-
-def joint_ends(robot: Robot) -> JointEnds:
-    """Joint limits of a robot that are limits."""
-    joints, none = robot.joints, placeholders(robot)
-    return JointEnds(
-        np.maximum(joints.lower, -2 * np.pi), np.minimum(joints.upper, 2 * np.pi),
-        joints.velocity, np.where(np.isin(robot.legs, none), np.inf, joints.effort), none,
-    )  # fmt: skip
 
 
 class Rules(NamedTuple):
@@ -108,7 +85,7 @@ class Rules(NamedTuple):
     def slacks(self, gaits: GaitBatch, out: Outcome) -> tuple[tuple[str, ...], Array]:
         """Names, and how far inside each limit the gaits are (n, k)."""
         limits, ends = self.limits, self.ends
-        low, high, rate = extent(gaits)
+        low, high, rate = gaits.reach()
         parts: list[tuple[str, Array]] = [
             ("normal force", (out.normal - limits.normal_force)[:, None]),
             ("friction", _below(out.friction, limits.friction)[:, None]),
@@ -155,12 +132,3 @@ def _below(value: Array, most: Any) -> Array:
     with np.errstate(invalid="ignore"):
         ratio = np.minimum(value, 1e9) / most
     return np.asarray((1.0 - ratio) / (1.0 + ratio))
-
-
-def extent(gaits: GaitBatch) -> tuple[Array, Array, Array]:
-    """Least and greatest position and greatest rate of each leg, each (n, legs)."""
-    swing, rate = gaits.extent()
-    if gaits.sine.shape[1] == 1:
-        return gaits.offset - swing, gaits.offset + swing, rate
-    motion = gaits.swing()[0]
-    return gaits.offset + motion.min(axis=1), gaits.offset + motion.max(axis=1), rate

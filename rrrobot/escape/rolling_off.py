@@ -33,11 +33,12 @@ from rrrobot.drive.moves import LegMoves, Straight
 from rrrobot.drive.tables import gait_from_dict
 from rrrobot.errors import ModelError, SimulationError, SimulationInterrupted
 from rrrobot.escape.goals import Escape, goal_of
-from rrrobot.escape.limits import EscapeLimits, JointEnds
+from rrrobot.escape.limits import EscapeLimits
 from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
 from rrrobot.robot.chains import leg_chains
 from rrrobot.robot.joints import JointIndex
+from rrrobot.robot.limits import JointEnds
 from rrrobot.simulation.events import Event, Snapshot, lift_off
 from rrrobot.simulation.run import simulate
 from rrrobot.simulation.trajectory import Trajectory

@@ -7,9 +7,10 @@ import pinocchio as pin
 
 from rrrobot.checks import Array
 from rrrobot.escape.bench import Bench
-from rrrobot.escape.limits import EscapeLimits, JointEnds
+from rrrobot.escape.limits import EscapeLimits
 from rrrobot.escape.spaces import symmetric
 from rrrobot.robot.joints import JointIndex
+from rrrobot.robot.limits import JointEnds
 from rrrobot.robot.robot import Robot
 
 _TRIED = 1024

@@ -22,7 +22,7 @@ from rrrobot.escape.bodies import base_length, capsules_of, with_legs
 from rrrobot.escape.confirming import EscapeGait, confirm
 from rrrobot.escape.finding import find_gaits
 from rrrobot.escape.goals import ROCK, USUAL, Escape, goal_of
-from rrrobot.escape.limits import TOUCH, EscapeLimits, Rules, joint_ends
+from rrrobot.escape.limits import TOUCH, EscapeLimits, Rules
 from rrrobot.escape.loss import RATIO, rocking_damping, rocking_modes
 from rrrobot.escape.polish import Judged
 from rrrobot.escape.rolling_off import RollOff, roll_off
@@ -71,7 +71,7 @@ def unstick(
         ground: level ground unless given.
         joints: that move, the others are held in the belly's posture; all unless given.
         groups: ways in which limbs may move together; see `rrrobot.escape.spaces`.
-        limits: beside the joint limits of the file; `EscapeLimits()` unless given.
+        limits: `EscapeLimits()` unless given, with what the file allows each joint.
         damping: of the rocking. Unless given, roll and pitch have
         damping_ratio: this one, an assumption that the report names.
         postures: at most, to search about.
@@ -121,7 +121,7 @@ def unstick(
                     work = _Work(
                         belly, limits, joints, tuple(groups), damping, damping_ratio, postures
                     )
-                    found = found.known(work.model, work.ends.unlimited)
+                    found = found.known(work.model)
                 if goal.leans:
                     found = found.rolled(goal, work.off(goal, floor))
                     if found.off[goal.name].met:
@@ -162,7 +162,7 @@ class _Work:
         loss = rocking_damping(bare, posture, ratio) if damping is None else damping
         self.model = FullModel(robot, ground=belly.ground, damping=loss)
         self.length = base_length(belly.shapes)
-        self.ends = joint_ends(robot)
+        self.ends = limits.ends(robot)
         self.tilt = float(belly.rolling_range.least if limits.tilt is None else limits.tilt)
         rocking = rocking_modes(self.model, posture)
         decay = min((mode.decay_rate for mode in rocking), default=0.0)

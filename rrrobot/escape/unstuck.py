@@ -24,7 +24,7 @@ from rrrobot.models.base import Model
 from rrrobot.simulation.trajectory import Trajectory
 
 STORE = "unstick.json"
-FORMAT = "rrrobot unstick 2"
+FORMAT = "rrrobot unstick 3"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -38,7 +38,6 @@ class Unstuck:
         found: goal's name -> gaits, the best first; if the first is not `met`, it is the nearest.
         off: goal's name -> how the robot rolls off its rock to that side, or why not.
         reasons: goal's name -> why there is no feasible gait, and what to try.
-        unlimited: joints whose effort limit in the file is none.
         damping: of the rocking, as plain data; None as long as no goal was searched for.
         folder: where results are kept, or None.
 
@@ -55,9 +54,13 @@ class Unstuck:
     found: Mapping[str, tuple[EscapeGait, ...]] = field(default_factory=dict)
     off: Mapping[str, RollOff] = field(default_factory=dict)
     reasons: Mapping[str, str] = field(default_factory=dict)
-    unlimited: tuple[str, ...] = ()
     damping: Mapping[str, Any] | None = None
     folder: Path | None = None
+
+    @property
+    def unlimited(self) -> tuple[str, ...]:
+        """Joints whose effort limit in the file is a placeholder, and so none."""
+        return self.belly.robot.joints.unlimited
 
     @property
     def done(self) -> tuple[str, ...]:
@@ -95,9 +98,9 @@ class Unstuck:
         )  # fmt: skip
         return own if own.folder is None else own._resumed(own.folder)
 
-    def known(self, model: Model, unlimited: tuple[str, ...]) -> Unstuck:
+    def known(self, model: Model) -> Unstuck:
         """With the model that is searched."""
-        return replace(self, unlimited=unlimited, damping=model.damping.to_dict())
+        return replace(self, damping=model.damping.to_dict())
 
     def reached(self, goal: Escape, gaits: Sequence[EscapeGait]) -> Unstuck:
         """With the gaits of a goal."""
@@ -211,9 +214,8 @@ class Unstuck:
                 if entry["met"]
             }
             return replace(
-                self, found=found, off=off, reasons=dict(data["reasons"]),
-                unlimited=tuple(data["unlimited"]), damping=data["damping"],
-            )  # fmt: skip
+                self, found=found, off=off, reasons=dict(data["reasons"]), damping=data["damping"]
+            )
         except (KeyError, TypeError, ValueError, OSError) as error:
             raise OutputError(
                 f"{str(path)!r} is damaged ({error}): delete it, and the search begins anew."

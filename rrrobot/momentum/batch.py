@@ -34,14 +34,14 @@ from rrrobot.momentum.lowering import Setting, decoupled_setting, lower
 from rrrobot.momentum.normal import N_ANY_MOTION
 from rrrobot.momentum.settle import settle
 from rrrobot.momentum.summary import N_MOTION, N_RESULT, RESULT
-from rrrobot.momentum.vertical import pitch_of
+from rrrobot.momentum.vertical import largest_tilt, pitch_of
 from rrrobot.momentum.work import work_of
 from rrrobot.rotations import quaternion_from_euler, turns_over
 
-LOADS = ("friction", "rms_torque", "peak_torque", "power")
+LOADS = ("friction", "rms_torque", "peak_torque", "power", "torque_share")
 """Further entries of a lane's steady state, on request; see `extremes.LOADS`."""
-_YAW_RATE, _PITCH, _CLEARANCE, _STATUS = (
-    RESULT.index(name) for name in ("yaw_rate", "pitch", "clearance", "status")
+_YAW_RATE, _PITCH, _CLEARANCE, _TILT, _STATUS = (
+    RESULT.index(name) for name in ("yaw_rate", "pitch", "clearance", "tilt", "status")
 )
 
 __all__ = [
@@ -211,6 +211,8 @@ def settled(
         status[goes_on & turns_over(found.motion[:, :, :3], turn)] = TURNS_OVER
     found.results[:, _PITCH] = np.nan if setting.axis == DECOUPLED else pitch_of(sine)
     found.results[:, _CLEARANCE] = clearance(setting, whole, found.motion)
+    if setting.axis != DECOUPLED:
+        found.results[:, _TILT] = largest_tilt(found.motion, periodic=setting.periodic)
     return found
 
 

@@ -24,11 +24,11 @@ from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.normal import N_ANY_MOTION
 from rrrobot.robot.limits import CREEP
 
-LOADS = ("normal_force", "friction", "rms_torque", "peak_torque", "power")
+LOADS = ("normal_force", "friction", "rms_torque", "peak_torque", "power", "torque_share")
 """Least normal force [N]; largest friction coefficient that is needed, infinite if the normal force
 is not positive, NaN of a pivoted model; root of the mean sum of squared motor torques; largest
-|motor torque| of any leg [N m]; mean of the sum of |torque x rate| [W]. Torques of a prismatic leg
-are forces [N]."""
+|motor torque| of any leg [N m]; mean of the sum of |torque x rate| [W]; largest |motor torque| over
+what the file allows, 0 where it limits none. Torques of a prismatic leg are forces [N]."""
 _NEAR = 0.02
 """Local extremes that are this near to the largest, relative, are polished too."""
 _PARTS = 8
@@ -87,11 +87,15 @@ def extremes(
         np.zeros(2 + legs),
     )  # fmt: skip
     out = np.empty((n, len(LOADS)))
+    peaks = np.empty((n, legs)) if peaks is None else peaks
     evaluate(
         setting.tree, setting.parameters, setting.axis, setting.leg_loss,
         tuple(checked(setting.tree, gaits)), motion, turns_at(instants, gaits.sine.shape[1]),
-        refine, finer, setting.periodic, work, out, np.empty((0, legs)) if peaks is None else peaks,
+        refine, finer, setting.periodic, work, out, peaks,
     )  # fmt: skip
+    limited = np.isfinite(setting.effort)
+    share = np.divide(peaks, setting.effort, out=np.zeros_like(peaks), where=limited)
+    out[:, -1] = share.max(axis=1, initial=0.0)
     return out
 
 
@@ -146,8 +150,7 @@ def evaluate(  # type: ignore[no-untyped-def]
         square, row[3], row[4] = 0.0, 0.0, 0.0
         for leg in range(n_legs):
             row[3] = max(row[3], work.tops[2 + leg])
-            if len(peaks) > 0:
-                peaks[g, leg] = work.tops[2 + leg]
+            peaks[g, leg] = work.tops[2 + leg]
             for k in range(len(work.fine)):
                 x = work.fine[k]
                 square += x[TORQUE + leg] * x[TORQUE + leg]

@@ -48,6 +48,8 @@ class Setting(NamedTuple):
     without what it would need"""
     fineness: int
     """how many times the steps of a sphere the shell needs"""
+    effort: Array
+    """largest of each motor that the file allows (legs,); infinite without limit"""
     radius: float
     """height of a sphere's centre over the level ground [m]; where the axis is ANY, not used"""
 
@@ -82,11 +84,12 @@ def lower(model: Model) -> Setting:
         radii = (shell.radius * rolls, shell.radius * travels)
         axis = model.axes[0] if len(model.axes) == 1 else -1
         numbers = np.array((robot.mass, *radii, model.gravity, *losses))
-        return Setting(tree_of(robot), numbers, axis, limit, legs, None, 1, shell.radius)
+        return Setting(tree_of(robot), numbers, axis, limit, legs, None, 1, joints.effort,
+                       shell.radius)  # fmt: skip
     terrain = terrain_of(shell, (frame.translation, frame.rotation), model.ground)
     numbers = np.array((robot.mass, 1.0, 0.0, model.gravity, *losses))
     tree = tree_of(robot, np.zeros(3))
-    return Setting(tree, numbers, ANY, limit, legs, terrain, fineness(shell), 0.0)
+    return Setting(tree, numbers, ANY, limit, legs, terrain, fineness(shell), joints.effort, 0.0)
 
 
 def decoupled_setting(

@@ -17,7 +17,7 @@ from rrrobot.results import STILL
 RESULT = (
     "speed", "velocity_x", "velocity_y", "yaw_rate", "roll_amplitude", "pitch_amplitude",
     "yaw_amplitude", "roll_phase", "pitch_phase", "yaw_phase", "roll_mean", "pitch_mean",
-    "yaw_mean", "variation", "normal_force", "pitch", "clearance", "status",
+    "yaw_mean", "variation", "normal_force", "pitch", "clearance", "tilt", "status",
 )  # fmt: skip
 """Entries of a lane's steady state, see `rrrobot.results`."""
 N_RESULT = len(RESULT)

@@ -1,4 +1,4 @@
-"""How near lanes come to the vertical, at steps and between them.
+"""How near lanes come to the vertical, at steps and between them, and how far they tilt.
 
 The sine of the pitch, -z_body,x, is smooth even where a lane leaps over the vertical. Its values
 and slopes at three steps give a polynomial of fifth degree, so that a pitch of +-90 degrees is
@@ -14,6 +14,7 @@ from numba import njit
 from rrrobot.checks import Array
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import inner, lanes
+from rrrobot.momentum.interpolation import between
 
 N_PAST = 3
 """Steps that are kept: the newest last."""
@@ -95,3 +96,31 @@ def largest_between(past, i, known):  # type: ignore[no-untyped-def]
 def pitch_of(sine: Array) -> Array:
     """|pitch| of the largest |sine| [rad]; the polynomial may exceed 1 by its error."""
     return np.asarray(np.arcsin(np.minimum(sine, 1.0)))
+
+
+def largest_tilt(motion: Array, *, periodic: bool) -> Array:
+    """Largest angle of the body's z axis from the ground's normal n over a cycle (n,) [rad].
+
+    It is looked for between the steps, on the interpolation of n in the body's axes.
+
+    Args:
+        motion: of a cycle, as `Settled.motion` has it.
+        periodic: whether it repeats.
+    """
+    refine, finer = between(motion.shape[1], periodic)
+    normal = motion[:, :, 6:9] if motion.shape[2] > 9 else motion[:, :, :3]
+    size = np.square(np.einsum("pm,nms->nps", finer @ refine, normal[:, :, :2])).sum(axis=2)
+    # Roll and pitch below a quarter turn or beyond: the sine alone does not tell.
+    along = np.einsum("pm,nm->np", finer @ refine, normal[:, :, 2])
+    tilt = np.arctan2(np.sqrt(size), along)
+    rows, k = np.arange(len(tilt)), np.nan_to_num(tilt).argmax(axis=1)
+    last = tilt.shape[1]
+    left, right = (
+        tilt[rows, (k + i) % last if periodic else np.clip(k + i, 0, last - 1)] for i in (-1, 1)
+    )
+    top = tilt[rows, k]
+    bend = left - 2.0 * top + right
+    with np.errstate(invalid="ignore", divide="ignore"):
+        more = np.where(bend < 0, -((left - right) ** 2) / (8.0 * bend), 0.0)
+    # The parabola's top is within the samples beside the largest one.
+    return np.asarray(top + np.minimum(more, np.abs(bend)))

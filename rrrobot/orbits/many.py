@@ -23,7 +23,7 @@ from rrrobot.momentum.extremes import extremes
 from rrrobot.momentum.heights import clearance
 from rrrobot.momentum.kernels import DECOUPLED, LIFT_OFF, NOT_FINITE, OK, TURNS_OVER
 from rrrobot.momentum.newton import Chart
-from rrrobot.momentum.vertical import pitch_of
+from rrrobot.momentum.vertical import largest_tilt, pitch_of
 from rrrobot.orbits.section import section_of
 from rrrobot.rotations import turns_over
 
@@ -42,6 +42,7 @@ little damped, no multiplier was off by more than 0.07."""
 _STATUS, _VARIATION = RESULT.index("status"), RESULT.index("variation")
 _YAW_RATE = RESULT.index("yaw_rate")
 _PITCH, _CLEARANCE = RESULT.index("pitch"), RESULT.index("clearance")
+_TILT = RESULT.index("tilt")
 __all__ = ["NO_ORBIT", "UNSTABLE", "Orbits", "orbit_states", "orbits_of"]
 
 
@@ -183,6 +184,8 @@ def orbits_of(
     results = found.results
     results[:, _PITCH] = pitch_of(results[:, _PITCH])
     results[:, _CLEARANCE] = clearance(setting, gaits, np.nan_to_num(found.motion))
+    if moves:
+        results[:, _TILT] = largest_tilt(found.motion, periodic=setting.periodic)
     failed = np.flatnonzero(~np.isin(results[:, _STATUS], (OK, LIFT_OFF, UNSTABLE)))
     kept = np.isin(np.arange(results.shape[1]), (_STATUS, _VARIATION))
     results[np.ix_(failed, ~kept)] = np.nan

@@ -1,5 +1,6 @@
 from rrrobot.robot.examples import example_robots as example_robots
 from rrrobot.robot.legged import legged_urdf as legged_urdf
+from rrrobot.robot.limits import JointLimits as JointLimits
 from rrrobot.robot.parameters import RRRobotParameters as RRRobotParameters
 from rrrobot.robot.robot import Robot as Robot
 from rrrobot.robot.urdf import reduced_urdf as reduced_urdf

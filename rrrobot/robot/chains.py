@@ -107,6 +107,54 @@ def symmetry_of(robot: Robot, kind: str) -> Symmetry | None:
     return found if _mirrors_limits(robot, found) else None
 
 
+class Ties(NamedTuple):
+    """Legs that are each other's images under a robot's symmetries, tied together."""
+
+    group: NDArray[np.int64]
+    """which group each leg is of (legs,)"""
+    sign: Array
+    """leg coordinates over those of the first leg of their group (legs,)"""
+
+
+def ties_of(robot: Robot) -> Ties:
+    """Groups of legs that mirror each other, with the signs that their axes give.
+
+    Mirrored joints whose axes are written the same way turn opposite ways: two hips that swing out
+    from the body together have angles of opposite signs if both axes point ahead, and of equal
+    signs if each points its own way.
+
+    Raises:
+        ParameterError: no two legs mirror each other.
+
+    Example:
+        >>> import rrrobot as rr
+        >>> from rrrobot.robot.chains import ties_of
+        >>> ties_of(rr.Robot.from_parameters())
+        Ties(group=array([0, 0]), sign=array([1., 1.]))
+    """
+    group, sign = np.arange(robot.n_legs), np.ones(robot.n_legs)
+    for kind in SYMMETRIES:
+        found = symmetry_of(robot, kind)
+        if found is None:
+            continue
+        for leg, source in enumerate(found.source):
+            if group[leg] == group[source]:
+                continue
+            # phi_leg = e phi_source; a whole group takes the other's sign.
+            turn = found.sign[leg] * sign[source] * sign[leg]
+            mine = group == group[leg]
+            sign[mine] *= turn
+            group[mine] = group[source]
+    first, group = np.unique(group, return_index=True, return_inverse=True)[1:]
+    sign = sign * sign[first][group]
+    if first.size == robot.n_legs:
+        raise ParameterError(
+            f"no two legs of {robot.name} mirror each other, so none can be tied: leave tied out, "
+            "and give bounds for each leg."
+        )
+    return Ties(group, sign)
+
+
 def _mirrors_limits(robot: Robot, found: Symmetry) -> bool:
     """Whether the range of each joint, within a turn either way, is the image of another's."""
     ends = np.array((robot.joints.lower, robot.joints.upper)).clip(-2 * np.pi, 2 * np.pi)

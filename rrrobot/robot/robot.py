@@ -20,7 +20,7 @@ from rrrobot.inline import html_table
 from rrrobot.robot.examples import example_urdf
 from rrrobot.robot.faults import root_link
 from rrrobot.robot.joints import build_model, check_masses, movable_joints
-from rrrobot.robot.limits import LegJoints, leg_joints
+from rrrobot.robot.limits import LegJoints, leg_joints, without_placeholders
 from rrrobot.robot.mimics import Coupling, couplings
 from rrrobot.robot.parameters import RRRobotParameters
 from rrrobot.robot.reader import is_text, parse_urdf, read_urdf, urdf_text
@@ -105,7 +105,8 @@ class Robot:
             if coupling.leg in self.legs and coupling.ratio != 0
         }
         set_field(self, "couplings", follow)
-        set_field(self, "joints", leg_joints(tree, self.legs, follow))
+        joints = leg_joints(tree, self.legs, follow)
+        set_field(self, "joints", without_placeholders(joints, self.legs, model))
         model.gravity.linear = np.array((0.0, 0.0, -self.gravity))
         set_field(self, "name", model.name)
         set_field(self, "shell_placement", _add_shell_frame(model, self))

@@ -21,6 +21,7 @@ def measured(trajectory: Trajectory, state: SteadyState, samples: slice) -> dict
     """
     t = trajectory
     torque, rate = t.leg_torque[samples], t.leg_rate[samples]
+    share = np.abs(torque).max(axis=0, initial=0.0) / t.robot.joints.effort
     found: dict[str, float] = {
         "speed": state.speed,
         "velocity_x": float(state.velocity[0]),
@@ -28,10 +29,12 @@ def measured(trajectory: Trajectory, state: SteadyState, samples: slice) -> dict
         "yaw_rate": state.yaw_rate,
         "variation": state.variation,
         "pitch": float(np.abs(t.euler[:, 1]).max()),
+        "tilt": float(t.tilt[samples].max()),
         "normal_force": float(t.normal_force[samples].min()),
         "friction": float(t.required_friction[samples].max()) if t.has_contact else np.nan,
         "rms_torque": float(np.sqrt((torque**2).sum(axis=1).mean())),
         "peak_torque": float(np.abs(torque).max()),
+        "torque_share": float(share.max(initial=0.0)),
         "power": float(np.abs(torque * rate).sum(axis=1).mean()),
         "clearance": clearance(t, samples),
         "status": 0.0,

@@ -143,6 +143,22 @@ class Trajectory:
         return normals(self.ground, self.position)
 
     @property
+    def tilt(self) -> Array:
+        """Angle of the body's z axis from the ground's normal (n,), roll and pitch together [rad].
+
+        Example:
+            >>> import rrrobot as rr
+            >>> model = rr.FullModel(rr.Robot.from_parameters())
+            >>> t = rr.simulate(model, rr.gait("lateral"), duration=2.0)
+            >>> bool((t.tilt >= abs(t.euler[:, 1]) - 1e-9).all())
+            True
+        """
+        (sr, sp, sy), (cr, cp, cy) = np.sin(self.euler.T), np.cos(self.euler.T)
+        up = np.column_stack((cy * sp * cr + sy * sr, sy * sp * cr - cy * sr, cp * cr))
+        across = np.linalg.norm(np.cross(up, self.ground_normal), axis=1)
+        return np.asarray(np.arctan2(across, np.sum(up * self.ground_normal, axis=1)))
+
+    @property
     def normal_force(self) -> Array:
         """Contact force along the ground's normal (n,) [N]."""
         fixed = self.ground.fixed_normal

@@ -9,6 +9,7 @@ import pinocchio as pin
 
 from rrrobot.checks import Array
 from rrrobot.contact.ground import normals
+from rrrobot.robot.robot import Robot
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.studies.optimisation.table import GaitLimits
 
@@ -31,17 +32,19 @@ class Demands(NamedTuple):
     clearance: float
     """least height of a leg's centre of mass above the ground [m]"""
 
-    def beyond(self, limits: GaitLimits, power: float | None = None) -> list[str]:
+    def beyond(self, limits: GaitLimits, robot: Robot, power: float | None = None) -> list[str]:
         """What passes the limits, in words; empty if all are kept.
 
         Args:
-            limits: those of torque, leg rate, friction, normal force and clearance count.
+            limits: those of torque, leg rate, friction, normal force and clearance count; of
+                torques and rates the least of any joint, for all.
+            robot: whose file limits the joints too.
             power: of all motors [W]; any unless given.
         """
-        told = []
+        told, ends = [], limits.ends(robot)
         for name, value, most, unit in (
-            ("torque", self.torque, limits.max_torque, " N m"),
-            ("leg_rate", self.leg_rate, limits.max_leg_rate, " rad/s"),
+            ("torque", self.torque, ends.effort.min(), " N m"),
+            ("leg_rate", self.leg_rate, ends.velocity.min(), " rad/s"),
             ("power", self.power, power, " W"),
             ("friction", self.friction, limits.friction, ""),
         ):
@@ -65,7 +68,7 @@ def demands_of(trajectory: Trajectory) -> Demands:
         >>> from rrrobot.steering.demands import demands_of
         >>> model = rr.FullModel(rr.Robot.from_parameters())
         >>> asked = demands_of(rr.simulate(model, rr.gait("circular"), duration=10.0))
-        >>> asked.beyond(rr.GaitLimits(friction=0.02))[0].split(",")[1]
+        >>> asked.beyond(rr.GaitLimits(friction=0.02), model.robot)[0].split(",")[1]
         ' above 0.02'
     """
     t = trajectory

@@ -32,15 +32,16 @@ def within(
     """
     known = settled(model, motions)
     limits = GaitLimits() if limits is None else limits
+    ends = limits.ends(model.robot)
     weight = model.robot.mass * model.robot.gravity
     above = known["normal_force"] / weight > limits.min_normal_force
     above &= known["clearance"] > limits.min_clearance
     for share in _SHARES:
         keep = above.copy()
         for value, most in (
-            (known["peak_torque"], limits.max_torque),
+            (known["peak_torque"], ends.effort.min()),
             (known["friction"], limits.friction),
-            (motions.amplitude * motions.angular_frequency, limits.max_leg_rate),
+            (motions.amplitude * motions.angular_frequency, ends.velocity.min()),
             (known["power"], max_power),
         ):
             if most is not None:

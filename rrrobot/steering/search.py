@@ -250,7 +250,7 @@ class Search:
         if self.limits is None and self.max_power is None:
             return None
         limits = GaitLimits(min_normal_force=0.0) if self.limits is None else self.limits
-        passed = found.demands().beyond(limits, power=self.max_power)
+        passed = found.demands().beyond(limits, found.model.robot, self.max_power)
         return f"it takes a {', a '.join(passed)}" if passed else None
 
 

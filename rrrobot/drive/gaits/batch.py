@@ -156,6 +156,18 @@ class GaitBatch(NamedTuple):
             fastest = np.abs(motion[1] + goes[:, None]).max(axis=1)
         return np.where(self.winding != 0, np.inf, swing), fastest
 
+    def reach(self) -> tuple[Array, Array, Array]:
+        """Least and greatest position and greatest rate of each leg, each (n, legs)."""
+        swing, rate = self.extent()
+        if self.sine.shape[1] == 1:
+            return self.offset - swing, self.offset + swing, rate
+        motion, goes = self.swing()[0], self.winding != 0
+        low, high = motion.min(axis=1), motion.max(axis=1)
+        return (
+            np.where(goes, -np.inf, self.offset + low), np.where(goes, np.inf, self.offset + high),
+            rate,
+        )  # fmt: skip
+
     def within(self, swing: ArrayLike) -> GaitBatch:
         """The gaits, those legs scaled down that swing more than (legs,) to a side."""
         largest = np.abs(self.swing()[0]).max(axis=1)

@@ -30,7 +30,7 @@ from rrrobot.momentum.lowering import VERTICAL
 from rrrobot.orbits import many
 from rrrobot.orbits.section import section_of
 from rrrobot.results import completed
-from rrrobot.studies.optimisation.table import Table, columns
+from rrrobot.studies.optimisation.table import Joints, Table, columns
 
 COUNTED = 4
 """Cycles that are averaged."""
@@ -92,13 +92,14 @@ class Engine(ABC):
         multiplier: Array | None = None,
     ) -> Table:
         values = dict(zip(RESULT, results.T, strict=True))
-        values |= zip(LOADS, extremes(self.setting, gaits, motion).T, strict=True)
+        torque = np.empty(gaits.offset.shape)
+        values |= zip(LOADS, extremes(self.setting, gaits, motion, torque).T, strict=True)
         # How much a gait lifts off is for the limits to say.
         status = np.where(values["status"] == LIFT_OFF, OK, values["status"])
         table = np.column_stack([*completed(values | {"status": status}).values()])
         stopped = [name not in ("pitch", "status") for name in columns()]
         table[np.ix_((status != OK) & (status != many.UNSTABLE), stopped)] = np.nan
-        return Table(table, *gaits.fastest(), multiplier=multiplier, cycles=cycles)
+        return Table(table, Joints.of(gaits, torque), multiplier=multiplier, cycles=cycles)
 
 
 class Cycles(Engine):

@@ -23,13 +23,14 @@ from rrrobot.inline import html_table
 from rrrobot.models.base import Model
 from rrrobot.progress import Progress, progress_of
 from rrrobot.results import names
+from rrrobot.robot.chains import ties_of
 from rrrobot.studies.optimisation.goals import FastestTravel, LeastRate
 from rrrobot.studies.optimisation.result import confirm
-from rrrobot.studies.optimisation.run import legs_of, prepare, weight_of
+from rrrobot.studies.optimisation.run import legs_of, prepare
 from rrrobot.studies.optimisation.saved import read_result, reading, write_result
 from rrrobot.studies.optimisation.search import polish, search
 from rrrobot.studies.optimisation.space import Space, swing_of
-from rrrobot.studies.optimisation.table import GaitLimits, discrepancy, file_limits
+from rrrobot.studies.optimisation.table import GaitLimits, discrepancy
 from rrrobot.studies.optimisation.task import (
     Evaluator,
     Spent,
@@ -200,30 +201,32 @@ def pareto_front(
         >>> front.gaits[-1].n_legs
         2
     """
-    limits = file_limits(model.robot.joints) if limits is None else limits
+    limits = GaitLimits() if limits is None else limits
     budget = 30_000 * harmonics if budget is None else budget
     LeastRate(rate=cost)
     whole("n_points", n_points, at_least=2)
+    legs = legs_of(model)
+    ties = ties_of(model.robot) if tied else None
     space = Space(
-        legs_of(model), **swing_of(model.robot.joints, offset, amplitude, tied=tied),
+        legs, **swing_of(model.robot.joints, offset, amplitude, ties),
         angular_frequency=angular_frequency, phase_difference=phase_difference,
-        harmonics=harmonics, tied=tied, winding=winding,
+        harmonics=harmonics, ties=ties, winding=winding,
     )  # fmt: skip
     if space.n == 0:
         raise ParameterError("every bound is one number: a front needs something to vary.")
     evaluator = prepare(model, space, limits, settle_time, budget, seed, settle)
     with progress_of(progress, "gaits", int(budget), "gaits") as evaluator.tell:
-        tasks = _searched(evaluator, limits, weight_of(model), cost, n_points, seed)
+        fastest = Task.of(model, FastestTravel(), limits)
+        tasks = _searched(evaluator, fastest, cost, n_points, seed)
     settings = {"settle": settle, "settle_time": evaluator.engine.settle_time,
                 "budget": int(budget), "seed": int(seed)}  # fmt: skip
     return _front(model, evaluator, tasks, cost, settings)
 
 
 def _searched(
-    evaluator: Evaluator, limits: GaitLimits, weight: float, cost: str, n_points: int, seed: int
+    evaluator: Evaluator, fastest: Task, cost: str, n_points: int, seed: int
 ) -> list[Task]:
     """Find the fastest gait, then the least cost at each speed; the tasks of the front's points."""
-    fastest = Task(FastestTravel(), limits, weight)
     evaluator.allowed = int(_FOR_FASTEST * evaluator.budget)
     search(evaluator, fastest, np.random.default_rng(seed))
     evaluator.allowed = evaluator.budget

@@ -19,7 +19,7 @@ from rrrobot.simulation.steady import SteadyState, steady_state
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.studies.optimisation.goals import Goal
 from rrrobot.studies.optimisation.saved import read_result, reading, write_result
-from rrrobot.studies.optimisation.table import GaitLimits, Table, columns
+from rrrobot.studies.optimisation.table import GaitLimits, Joints, Table, columns
 
 _SAMPLES = 48
 _CYCLES = 4
@@ -160,5 +160,8 @@ def confirm(model: Model, gait: Gait, settle_time: float) -> tuple[Trajectory, S
     row = measured(t, state, last)
     values = np.array([[float(row[name][0]) for name in columns()]])
     motion = gait(np.linspace(0.0, period, 513))
-    largest = (np.array([np.abs(x).max()]) for x in (motion.rate, motion.acceleration))
-    return t, state, Table(values, *largest)
+    torque = np.abs(t.leg_torque[last]).max(axis=0)
+    rate, acceleration = np.abs(motion.rate).max(axis=0), np.abs(motion.acceleration).max()
+    ends = motion.angle.min(axis=0)[None], motion.angle.max(axis=0)[None]
+    joints = Joints(*ends, rate[None], np.array([acceleration]), torque[None])
+    return t, state, Table(values, joints)

@@ -17,12 +17,13 @@ from rrrobot.errors import GaitError, ModelError, ParameterError, SimulationErro
 from rrrobot.models.base import Model
 from rrrobot.orbits.settling import between, settling_time
 from rrrobot.progress import Progress, progress_of
+from rrrobot.robot.chains import ties_of
 from rrrobot.studies.optimisation.goals import Goal, as_goal
 from rrrobot.studies.optimisation.result import OptimisedGait, confirm
 from rrrobot.studies.optimisation.search import attained, search
 from rrrobot.studies.optimisation.space import Space, swing_of
-from rrrobot.studies.optimisation.table import GaitLimits, Table, discrepancy, file_limits
-from rrrobot.studies.optimisation.task import TIGHT, Evaluator, Task
+from rrrobot.studies.optimisation.table import GaitLimits, Table, discrepancy
+from rrrobot.studies.optimisation.task import ROUNDING, TIGHT, Evaluator, Task
 
 _LEAST_BUDGET = 100
 _SETTLE_TIME, _LONGEST = 25.0, 1000.0
@@ -75,11 +76,13 @@ def optimise(
             (legs - 1, 2) [rad].
         harmonics: 1 for sinusoids; more give Fourier gaits whose whole swing stays within the
             largest amplitude.
-        tied: whether all legs share one offset and one amplitude.
+        tied: whether legs that mirror each other share one offset and one amplitude, mirrored as
+            their axes are. Bounds are then those of each group's first leg, phase differences
+            those of the mirrored swings.
         winding: whole turns of each leg in a period, or one number for all: 1 for legs that go
             round and round, at a constant rate where the amplitude is 0.
-        limits: what the gait must respect; `GaitLimits()` with the least effort and rate of the
-            robot's file unless given.
+        limits: what the gait must respect; `GaitLimits()` unless given, with what the robot's
+            file allows each joint.
         settle: "cycles": simulate each gait from rest until it has settled; "orbit": find its
             limit cycle, and take gradients along the orbit: a fifth of the simulated cycles, or
             less. A gait whose orbit does not hold is outside a limit.
@@ -109,15 +112,17 @@ def optimise(
         (0.005, 2.0)
     """
     goal = as_goal(goal)
+    legs = legs_of(model)
+    ties = ties_of(model.robot) if tied else None
     space = Space(
-        legs_of(model), **swing_of(model.robot.joints, offset, amplitude, tied=tied),
+        legs, **swing_of(model.robot.joints, offset, amplitude, ties),
         angular_frequency=angular_frequency, phase_difference=phase_difference,
-        harmonics=harmonics, tied=tied, winding=winding,
+        harmonics=harmonics, ties=ties, winding=winding,
     )  # fmt: skip
-    limits = file_limits(model.robot.joints) if limits is None else limits
+    limits = GaitLimits() if limits is None else limits
     budget = 20_000 * harmonics if budget is None else budget
     evaluator = prepare(model, space, limits, settle_time, budget, seed, settle)
-    task = Task(goal, limits, weight_of(model))
+    task = Task.of(model, goal, limits)
     with progress_of(progress, "gaits", int(budget), "gaits") as evaluator.tell:
         point = search(evaluator, task, np.random.default_rng(seed))
     if np.all(np.isnan(evaluator.archive()[1].speed)):
@@ -175,11 +180,6 @@ def legs_of(model: Model) -> int:
     return model.n_legs
 
 
-def weight_of(model: Model) -> float:
-    """Weight that the ground carries [N]; 0 for a pivoted model, which cannot lift off."""
-    return model.robot.mass * model.gravity if model.rolling is not None else 0.0
-
-
 def _result(
     model: Model,
     evaluator: Evaluator,
@@ -223,8 +223,10 @@ def _result(
 def _shortfalls(task: Task, measured: Table, multiplier: float) -> tuple[str, ...]:
     """What the confirming simulation, or the orbit's multiplier, says does not hold, in words."""
     goal = task.goal
-    slacks = task.limits.slack(measured, task.weight)
-    found = list(dict.fromkeys(text for slack, text in slacks.values() if not slack[0] >= 0))
+    slacks = task.told(measured)
+    found = list(
+        dict.fromkeys(text for slack, text in slacks.values() if not slack[0] >= -ROUNDING)
+    )
     if measured.speed[0] < goal.min_speed:
         found.append(f"slower than {goal.min_speed:g} m/s")
     if multiplier >= 1.0:

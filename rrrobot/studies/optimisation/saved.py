@@ -60,7 +60,7 @@ def read_result(path: str | Path) -> dict[str, Any]:
     Gaits, goals, shells and grounds of a class of one's own come back if `rrrobot.register` has it.
     """
     data: dict[str, Any] = json.loads(Path(path).read_text(encoding="utf-8"))
-    made = {"model": _model(data), "limits": GaitLimits(**data["limits"])}
+    made = {"model": _model(data), "limits": GaitLimits.from_dict(data["limits"])}
     if "points" in data:
         return data | made | {"gaits": [gait_from_dict(p["gait"]) for p in data["points"]]}
     goal: Goal = serial.from_dict(data["goal"], Goal, "goal")  # type: ignore[type-abstract]

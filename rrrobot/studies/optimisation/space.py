@@ -22,6 +22,7 @@ from rrrobot.checks import Array, finite, vector
 from rrrobot.drive.gaits import FourierGait, GaitBatch, SinusoidalGait
 from rrrobot.drive.gaits.base import check_turns
 from rrrobot.errors import ParameterError
+from rrrobot.robot.chains import Ties
 from rrrobot.robot.limits import LegJoints
 
 MAX_HARMONICS = 6
@@ -38,7 +39,9 @@ class Space:
         angular_frequency: number or bounds [rad/s].
         harmonics: 1 for sinusoids; more for Fourier gaits, whose whole swing stays within the
             largest amplitude.
-        tied: whether all legs share one offset and one amplitude.
+        ties: legs that share one offset and one swing, mirrored as their axes are; None for none.
+            Bounds of offset and amplitude are then those of each group's first leg, and phase
+            differences those of the mirrored swings.
         winding: whole turns of each leg in a period (legs,), or one number for all; kept.
 
     Attributes:
@@ -59,7 +62,7 @@ class Space:
         angular_frequency: ArrayLike,
         phase_difference: ArrayLike,
         harmonics: int = 1,
-        tied: bool = False,
+        ties: Ties | None = None,
         winding: ArrayLike = 0,
     ) -> None:
         if isinstance(harmonics, bool) or harmonics not in range(1, MAX_HARMONICS + 1):
@@ -68,10 +71,12 @@ class Space:
             )
         if legs < 1:
             raise ParameterError("the robot has no legs, so there is no gait to optimise.")
-        self.legs, self.harmonics, self.tied = legs, int(harmonics), bool(tied)
+        self.legs, self.harmonics, self.tied = legs, int(harmonics), ties is not None
+        ties = ties or Ties(np.arange(legs), np.ones(legs))
+        self._group, self._sign = ties
         self.winding = vector("winding", winding, legs, broadcast=True)
         check_turns("winding", self.winding)
-        each = 1 if tied else legs
+        each = int(self._group.max()) + 1
         swing = bounds("amplitude", amplitude, each, "rad", at_least=0.0)
         # No harmonic of a swing within +-a is larger than a square wave's first one, 4 a / pi.
         square = 4 / np.pi * swing[:, 1]
@@ -92,7 +97,7 @@ class Space:
         self._sizes = {name: len(part) for name, part in parts.items()}
         self.lower, self.upper = np.concatenate(list(parts.values())).T
         self.free = np.flatnonzero(self.upper > self.lower)
-        self.largest_swing = swing[:, 1] * np.ones(legs)
+        self.largest_swing = swing[self._group, 1]
         self._given = {
             "offset": parts["offset"],
             "amplitude": swing,
@@ -132,13 +137,14 @@ class Space:
         offset, amplitude, phase, sine, cosine, omega = np.split(values, edges, axis=1)
         s, legs, rest = len(points), self.legs, self.harmonics - 1
         turn = np.column_stack((np.zeros(s), phase))[:, None] * np.arange(1, rest + 2)[:, None]
-        shape = (s, rest, 1 if self.tied else legs)
+        group, sign, shape = self._group, self._sign, (s, rest, self._sizes["offset"])
         own_sine = np.zeros((s, rest + 1, legs))
         own_cosine = own_sine.copy()
-        own_sine[:, 0] = amplitude
-        own_sine[:, 1:], own_cosine[:, 1:] = sine.reshape(shape), cosine.reshape(shape)
+        own_sine[:, 0] = sign * amplitude[:, group]
+        own_sine[:, 1:] = sign * sine.reshape(shape)[:, :, group]
+        own_cosine[:, 1:] = sign * cosine.reshape(shape)[:, :, group]
         gaits = GaitBatch(
-            np.ascontiguousarray(offset * np.ones(legs)),
+            np.ascontiguousarray(sign * offset[:, group]),
             np.tile(self.winding, (s, 1)),
             own_sine * np.cos(turn) - own_cosine * np.sin(turn),
             own_sine * np.sin(turn) + own_cosine * np.cos(turn),
@@ -203,25 +209,29 @@ OFFSET, AMPLITUDE = (0.0, np.pi), (0.0, 0.5)
 
 
 def swing_of(
-    joints: LegJoints, offset: ArrayLike | None, amplitude: ArrayLike | None, *, tied: bool
+    joints: LegJoints, offset: ArrayLike | None, amplitude: ArrayLike | None, ties: Ties | None
 ) -> dict[str, ArrayLike]:
     """Bounds of offset and amplitude as `Space` takes them: those given, or the file's."""
     if offset is None and amplitude is None:
-        offset, amplitude = _file_bounds(joints, tied=tied)
+        offset, amplitude = _file_bounds(joints, ties)
     return {
         "offset": OFFSET if offset is None else offset,
         "amplitude": AMPLITUDE if amplitude is None else amplitude,
     }
 
 
-def _file_bounds(joints: LegJoints, *, tied: bool) -> tuple[Array, Array]:
-    """Bounds of offset and amplitude (legs, 2), or (1, 2), all within the file's limits.
+def _file_bounds(joints: LegJoints, ties: Ties | None) -> tuple[Array, Array]:
+    """Bounds of offset and amplitude (legs, 2), or (groups, 2), all within the file's limits.
 
     A leg between lo and hi swings by at most a = min(0.5, (hi - lo) / 4) about lo + a ... hi - a.
     """
     low, high = joints.lower.copy(), joints.upper.copy()
-    if tied:
-        low, high = low.max(keepdims=True), high.min(keepdims=True)
+    if ties is not None:
+        turned = ties.sign < 0
+        low, high = np.where(turned, -high, low), np.where(turned, -low, high)
+        of = [ties.group == group for group in range(ties.group.max() + 1)]
+        low = np.array([low[legs].max() for legs in of])
+        high = np.array([high[legs].min() for legs in of])
     low, high = (np.where(np.abs(end) < 1e6, end, np.nan) for end in (low, high))
     room = np.where(np.isfinite(high - low), high - low, np.inf)
     swing = np.minimum(AMPLITUDE[1], room / 4)

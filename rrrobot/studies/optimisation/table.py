@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from dataclasses import dataclass, fields
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array, finite
+from rrrobot.drive.gaits import GaitBatch
 from rrrobot.results import names
-from rrrobot.robot.limits import LegJoints
-
-_BESIDE = ("rate", "acceleration", "multiplier", "cycles")
-"""What a table has beside its columns."""
+from rrrobot.robot.limits import JointEnds, JointLimits
 
 
 def columns() -> tuple[str, ...]:
@@ -22,12 +20,32 @@ def columns() -> tuple[str, ...]:
     return (*names(), "status")
 
 
+class Joints(NamedTuple):
+    """The farthest and the largest of each leg in a period."""
+
+    low: Array
+    """least position (n, legs) [rad]"""
+    high: Array
+    """greatest position (n, legs) [rad]"""
+    rate: Array
+    """(n, legs) [rad/s]"""
+    acceleration: Array
+    """of any leg (n,) [rad/s^2]"""
+    torque: Array
+    """of the motors (n, legs) [N m]"""
+
+    @classmethod
+    def of(cls, gaits: GaitBatch, torque: Array) -> Joints:
+        """Those of gaits with their motors' torques (n, legs)."""
+        return cls(*gaits.reach(), gaits.fastest()[1], torque)
+
+
 class Table:
     """Results of gaits by name: `table.speed` is an array (n,); see `rrrobot.results`.
 
     Args:
         values: (n, columns), the results in order, then the status.
-        rate, acceleration: the largest of any leg (n,).
+        joints: of each leg.
         multiplier: largest |Floquet multiplier| of each orbit (n,); NaN where it is not known.
         cycles: periods that were simulated for each gait (n,); 0 unless given.
     """
@@ -35,13 +53,11 @@ class Table:
     def __init__(
         self,
         values: Array,
-        rate: Array,
-        acceleration: Array,
+        joints: Joints,
         multiplier: Array | None = None,
         cycles: Array | None = None,
     ) -> None:
-        self.values = values
-        self.rate, self.acceleration = rate, acceleration
+        self.values, self.joints = values, joints
         self.multiplier = np.full(len(values), np.nan) if multiplier is None else multiplier
         self.cycles = np.zeros(len(values)) if cycles is None else cycles
 
@@ -52,13 +68,16 @@ class Table:
 
     def rows(self, which: NDArray[Any] | slice | list[int]) -> Table:
         """Some of the gaits: indices or a mask."""
-        return Table(self.values[which], *(getattr(self, name)[which] for name in _BESIDE))
+        joints = Joints(*(part[which] for part in self.joints))
+        return Table(self.values[which], joints, self.multiplier[which], self.cycles[which])
 
     @staticmethod
     def joined(tables: Sequence[Table]) -> Table:
         """Several tables one after the other."""
-        beside = (np.concatenate([getattr(t, name) for t in tables]) for name in _BESIDE)
-        return Table(np.concatenate([t.values for t in tables]), *beside)
+        joints = (np.concatenate(parts) for parts in zip(*(t.joints for t in tables), strict=True))
+        beside = ([getattr(t, name) for t in tables] for name in ("values", "multiplier", "cycles"))
+        values, multiplier, cycles = (np.concatenate(parts) for parts in beside)
+        return Table(values, Joints(*joints), multiplier, cycles)
 
     def to_dict(self) -> dict[str, float]:
         """The first row by name, without the status."""
@@ -78,57 +97,68 @@ def discrepancy(found: Table, measured: Table) -> float:
 
 
 @dataclass(frozen=True, kw_only=True)
-class GaitLimits:
+class GaitLimits(JointLimits):
     """What a gait must respect to be valid, and what the robot's hardware allows.
 
     Attributes:
         min_normal_force: least normal force over the robot's weight; below zero it lifts off.
-        max_pitch: largest |pitch| from the start on [rad]; at pi/2 Euler angles are singular.
+        max_tilt: largest angle of the body's z axis from the ground's normal in the settled cycle,
+            roll and pitch together [rad].
         max_variation: largest variation of the step from cycle to cycle, over the step.
         min_clearance: least height of the legs' mass centres above the ground [m]; on RRRobot
             these are the leg tips.
         friction: coefficient that the ground offers; None for enough.
         max_curvature: largest |curvature| of the path [1/m]; None for any.
-        max_torque: of each motor [N m]; None for any.
-        max_leg_rate: [rad/s]; None for any.
         max_leg_acceleration: [rad/s^2]; None for any.
+        max_torque, max_leg_rate, leg_range: of the joints, those of the robot's file unless given;
+            see `JointLimits`.
 
     Raises:
         ParameterError: a limit that is negative or not finite.
 
     Example:
         >>> import rrrobot as rr
-        >>> rr.GaitLimits(friction=0.1).max_pitch
+        >>> rr.GaitLimits(friction=0.1).max_tilt
         1.2
     """
 
     min_normal_force: float = 0.05
-    max_pitch: float = 1.2
+    max_tilt: float = 1.2
     max_variation: float = 0.01
     min_clearance: float = 0.0
     friction: float | None = None
     max_curvature: float | None = None
-    max_torque: float | None = None
-    max_leg_rate: float | None = None
     max_leg_acceleration: float | None = None
 
     def __post_init__(self) -> None:
-        for name, value in asdict(self).items():
+        super().__post_init__()
+        for field in fields(self):
+            name, value = field.name, getattr(self, field.name)
+            if name in JointLimits.__dataclass_fields__:
+                continue
             if name == "min_clearance":
                 finite(name, value, "m")
             elif name == "min_normal_force":
                 finite(name, value, at_least=0.0)
-            elif value is not None or name in ("max_pitch", "max_variation"):
+            elif value is not None or name in ("max_tilt", "max_variation"):
                 finite(name, value, above=0.0)
 
-    def slack(self, table: Table, weight: float) -> dict[str, tuple[Array, str]]:
+    def slack(
+        self, table: Table, weight: float, ends: JointEnds, legs: Sequence[str]
+    ) -> dict[str, tuple[Array, str]]:
         """For each limit, how far inside it the gaits are (n,), of order one, and what it means.
 
         A negative entry is a violation.
+
+        Args:
+            table: of the gaits.
+            weight: of the robot [N].
+            ends: what its joints may do; see `JointLimits.ends`.
+            legs: their names.
         """
         t = table
         found = {
-            "max_pitch": (self.max_pitch - t.pitch, f"|pitch| above {self.max_pitch:g} rad"),
+            "max_tilt": (self.max_tilt - t.tilt, f"tilt above {self.max_tilt:g} rad"),
             "min_clearance": (
                 (t.clearance - self.min_clearance) / 0.1,
                 f"legs come within {self.min_clearance:g} m of the ground",
@@ -148,29 +178,42 @@ class GaitLimits:
                 t.normal_force / weight - self.min_normal_force,
                 f"normal force below {self.min_normal_force:g} of the weight",
             )
-        tops = {
-            "friction": (t.friction, "needs a friction coefficient above {:g}"),
-            "max_torque": (t.peak_torque, "motor torque above {:g} N m"),
-            "max_leg_rate": (t.rate, "leg rate above {:g} rad/s"),
-            "max_leg_acceleration": (t.acceleration, "leg acceleration above {:g} rad/s^2"),
-        }
-        for name, (value, text) in tops.items():
-            top = getattr(self, name)
-            if top is not None:
-                value = np.minimum(value, 1e9)
-                found[name] = ((top - value) / (top + value), text.format(top))
+        if self.friction is not None:
+            text = f"needs a friction coefficient above {self.friction:g}"
+            found["friction"] = (_below(t.friction, self.friction), text)
+        if self.max_leg_acceleration is not None:
+            most = self.max_leg_acceleration
+            slack = _below(t.joints.acceleration, most)
+            found["max_leg_acceleration"] = (slack, f"leg acceleration above {most:g} rad/s^2")
+        return found | self._joint_slack(t.joints, ends, legs)
+
+    @staticmethod
+    def _joint_slack(
+        joints: Joints, ends: JointEnds, legs: Sequence[str]
+    ) -> dict[str, tuple[Array, str]]:
+        """One for each joint and limit that is one."""
+        found = {}
+        for k, leg in enumerate(legs):
+            torque, rate, low, high = (
+                float(end[k]) for end in (ends.effort, ends.velocity, ends.lower, ends.upper)
+            )
+            if np.isfinite(torque):
+                slack, text = _below(joints.torque[:, k], torque), "motor torque of {} above {:g}"
+                found[f"torque of {leg}"] = slack, text.format(leg, torque) + " N m"
+            if np.isfinite(rate):
+                slack, text = _below(joints.rate[:, k], rate), "rate of {} above {:g} rad/s"
+                found[f"rate of {leg}"] = slack, text.format(leg, rate)
+            if np.isfinite(low):
+                found[f"lower of {leg}"] = joints.low[:, k] - low, f"{leg} goes below {low:g} rad"
+            if np.isfinite(high):
+                found[f"upper of {leg}"] = (
+                    high - joints.high[:, k],
+                    f"{leg} goes above {high:g} rad",
+                )
         return found
 
-    def to_dict(self) -> dict[str, Any]:
-        """All limits as plain data."""
-        return asdict(self)
 
-
-def file_limits(joints: LegJoints) -> GaitLimits:
-    """The usual limits, with the least effort and rate that the robot's file allows a leg."""
-    effort, rate = (
-        float(np.min(ends, initial=np.inf)) for ends in (joints.effort, joints.velocity)
-    )
-    return GaitLimits(
-        max_torque=effort if effort < 1e6 else None, max_leg_rate=rate if rate < 1e6 else None
-    )
+def _below(value: Array, most: float) -> Array:
+    """Slack of a positive value below a limit."""
+    value = np.minimum(value, 1e9)
+    return np.asarray((most - value) / (most + value))

@@ -13,8 +13,10 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import GaitBatch
+from rrrobot.models.base import Model
 from rrrobot.progress import Tell
 from rrrobot.results import STATUS
+from rrrobot.robot.limits import JointEnds
 from rrrobot.studies.optimisation.goals import Goal
 from rrrobot.studies.optimisation.space import Space
 from rrrobot.studies.optimisation.table import GaitLimits, Table
@@ -30,10 +32,11 @@ _STEADY, _UNSTABLE = (
     next(k for k, name in STATUS.items() if name == wanted)
     for wanted in ("steady_state", "orbit_unstable")
 )
-_EXACT = ("max_variation",)
-_ROUNDING = 1e-12
+_EXACT = ("max_variation", "lower of", "upper of")
+"""Beginnings of the names of limits that gaits may touch."""
+ROUNDING = 1e-12
 _MARGIN = 2e-3
-"""Distance that gaits keep from limits but those."""
+"""Distance that gaits keep from all others."""
 
 
 class Spent(Exception):
@@ -94,14 +97,33 @@ class Task(NamedTuple):
     limits: GaitLimits
     weight: float
     """of the robot [N]; 0 for a pivoted model, which has no ground to lift off from"""
+    ends: JointEnds
+    """of its legs"""
+    legs: tuple[str, ...]
+    """their names"""
     tolerance: float = 0.02
     """of targets, relative, in a score"""
+
+    @classmethod
+    def of(cls, model: Model, goal: Goal, limits: GaitLimits) -> Task:
+        """A goal and limits for a model's robot.
+
+        Raises:
+            ParameterError: limits for each of another number of legs.
+        """
+        robot = model.robot
+        weight = robot.mass * model.gravity if model.rolling is not None else 0.0
+        return cls(goal, limits, weight, limits.ends(robot), robot.legs)
+
+    def told(self, table: Table) -> dict[str, tuple[Array, str]]:
+        """How far inside each limit the gaits are, and what it means; see `GaitLimits.slack`."""
+        return self.limits.slack(table, self.weight, self.ends, self.legs)
 
     def slacks(self, table: Table, margin: float = _MARGIN) -> dict[str, Array]:
         """How far inside each limit the gaits are (n,), of order one."""
         found = {
-            name: slack - margin * (name not in _EXACT)
-            for name, (slack, _) in self.limits.slack(table, self.weight).items()
+            name: slack - margin * (not name.startswith(_EXACT))
+            for name, (slack, _) in self.told(table).items()
         }
         if self.goal.min_speed > 0:
             found["min_speed"] = table.speed / self.goal.min_speed - 1.0 - 0.05 * margin
@@ -128,7 +150,7 @@ class Task(NamedTuple):
         """By how much limits are broken, and a target is missed, each (n,)."""
         violation = np.zeros(table.speed.shape)
         for slack in self.slacks(table).values():
-            violation += np.maximum(0.0, -slack - _ROUNDING)
+            violation += np.maximum(0.0, -slack - ROUNDING)
         misses = self.goal.misses(table)
         return violation, (0.0 * violation if misses is None else np.linalg.norm(misses, axis=1))
 

@@ -26,8 +26,7 @@ def warn_of_gaits(robot: Robot, plan: Plan, columns: Mapping[str, NDArray[Any]])
     """Warn of gaits that have not settled, or that the robot's file or the ground stands against.
 
     Positions and rates are those of the swing about the offset; who goes round passes every limit.
-    Efforts are known of a sweep with loads: the largest torque of any leg, beside the least effort
-    that the file allows one.
+    Efforts are known of a sweep with loads: the largest torque over what the file allows its joint.
 
     Warns:
         UnsettledWarning: how many gaits still change from cycle to cycle, and by how much.
@@ -58,14 +57,13 @@ def warn_of_gaits(robot: Robot, plan: Plan, columns: Mapping[str, NDArray[Any]])
         f"{leg}: {what} in {count}, by up to {excess:.3g} {unit} beyond {limit:.4g}"
         for (leg, what, unit, limit), (count, excess) in _passed(robot, plan).items()
     ]
-    effort = float(np.min(robot.joints.effort, initial=math.inf))
-    if "peak_torque" in columns:
-        over = columns["peak_torque"] > effort * (1 + _ROUNDING)
+    if "torque_share" in columns:
+        over = columns["torque_share"] > 1 + _ROUNDING
         if np.any(over):
-            most = float(np.nanmax(columns["peak_torque"]))
+            most = float(np.nanmax(columns["torque_share"]))
             told.append(
-                f"a motor's effort in {np.count_nonzero(over)}, up to {most:.3g} N m where the "
-                f"least that the file allows is {effort:.4g}"
+                f"a motor's effort in {np.count_nonzero(over)}, up to {most:.3g} times what the "
+                "file allows its joint"
             )
     if told:
         more = f"; and {len(told) - _MOST} more" if len(told) > _MOST else ""
