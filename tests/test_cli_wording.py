@@ -6,6 +6,7 @@ import click
 import pytest
 
 from rrrobot.cli.main import cli
+from rrrobot.cli.sweep import sweep_command
 from rrrobot.cli.wording import in_options
 from tests.some import some
 from tests.test_cli import run
@@ -73,3 +74,12 @@ def test_bad_numbers_are_said_by_their_options(args, says):
 def test_warnings_too():
     result = run("simulate", "--duration", "0.1", "--leg-length", "0.2", "--json")
     assert result.stderr.startswith("Warning: --leg-length is 0.2 m")
+
+
+def test_arguments_in_brackets_are_named_as_options():
+    short = ("sweep", "--offset", "1", "--cycles", "8", "--damping", "0", "--quiet")
+    said = run(*short).stderr
+    assert "(--cycles)" in said and "(--settle orbit)" in said
+    assert in_options("robot(mass=2) of a file (store=)", sweep_command) == (
+        "robot(mass=2) of a file (--out)"
+    )

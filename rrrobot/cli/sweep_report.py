@@ -78,7 +78,7 @@ def table(data: dict[str, Any]) -> str:
     rows = [
         ("sweep", data["title"]),
         ("gaits", f"{data['gaits']}: {sizes}" if sizes else "1"),
-        ("time", f"{data['seconds']:.2f} s, {rate:.0f} gaits/s"),
+        ("time", f"{data['seconds']:.2f} s, {rate:{'.0f' if rate >= 10 else '.2g'}} gaits/s"),
         ("settled by", "their limit cycles")
         if data["settle"] == "orbit"
         else ("cycles", f"{data['cycles']}, the last {data['counted']} counted"),

@@ -15,6 +15,7 @@ ALSO = {
     "phase_difference": "phase",
     "steps_per_cycle": "steps",
     "form": "belly",
+    "store": "out",
     "ratio": "damping_ratio",
 }
 """Python's argument -> an option of another name, for commands that have no option of its own."""
@@ -55,7 +56,9 @@ def in_options(message: str, command: click.Command) -> str:
     if "gait" in options:
         for kind, words in CLASSES.items():
             message = message.replace(kind, words)
-    message = re.sub(rf"(?<![\w./('\"-])(?P<name>[a-z]\w*)=(?P<value>{_VALUE})?", argument, message)
+    message = re.sub(
+        rf"(?<![\w./'\"-])(?<!\w\()(?P<name>[a-z]\w*)=(?P<value>{_VALUE})?", argument, message
+    )
     message = re.sub(r"^[a-z]\w*(?= (?:is|are|has|have|must|needs?|holds?)\b)", name, message)
     return re.sub(r"(?<![\w./'\"-])[a-z]+(?:_[a-z]+)+(?![\w.('\"=])", name, message)
 

@@ -71,7 +71,7 @@ class Job:
 
     def interrupted(self) -> SweepInterrupted:
         """The error of a Ctrl-C."""
-        kept = "the error's .dataset holds them; a file (store=, --out) would keep them."
+        kept = "the error's .dataset holds them; a file (store=) would keep them."
         if self._file is not None:
             # A chunk may have come as far as the file.
             self._file.read_into(self.columns)
