@@ -121,6 +121,14 @@ def test_no_file_is_long(name):
 FACES = ("", *sorted(p.parent.name for p in PACKAGE.glob("*/__init__.pyi")))
 
 
+@pytest.mark.parametrize("name", MODULES)
+def test_what_is_kept_for_each_argument_is_bounded(name):
+    for node in ast.walk(ast.parse(MODULES[name].read_text())):
+        if isinstance(node, ast.FunctionDef) and ast.unparse(node.args):
+            kept = {ast.unparse(mark).removeprefix("functools.") for mark in node.decorator_list}
+            assert not kept & {"cache", "lru_cache(maxsize=None)"}, node.name
+
+
 def face(room):
     return importlib.import_module(f"rrrobot.{room}".rstrip("."))
 

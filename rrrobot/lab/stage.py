@@ -120,7 +120,8 @@ class Stage:
 
 def wxyz(rotation: Array) -> Array:
     """Unit quaternion (4,) of a rotation matrix (3, 3)."""
-    x, y, z, w = pin.Quaternion(np.ascontiguousarray(rotation)).coeffs()
+    # Of rows one after the other, eigenpy makes a copy that it never frees.
+    x, y, z, w = pin.Quaternion(np.asfortranarray(rotation)).coeffs()
     return np.array((w, x, y, z))
 
 

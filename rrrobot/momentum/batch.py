@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -226,7 +226,7 @@ def _starts(n: int, setting: Setting, tilt: Array | None) -> Array:
     return begin
 
 
-@cache
+@lru_cache(maxsize=8)
 def _derivative(steps: int, periodic: bool) -> tuple[Array, Array]:
     """Matrices (points, n) from n samples of a cycle to an interpolation's slopes and values.
 
@@ -239,7 +239,7 @@ def _derivative(steps: int, periodic: bool) -> tuple[Array, Array]:
     return steps * slope, value
 
 
-@cache
+@lru_cache(maxsize=8)
 def _slope_of(steps: int) -> Array:
     """Matrix (4 n, n) from n samples of a period to slopes of their interpolation."""
     order = np.arange(1, (steps + 1) // 2)

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import lru_cache
 
 import numpy as np
 
 from rrrobot.checks import Array
 
 
-@cache
+@lru_cache(maxsize=8)
 def interpolation(n: int, points: int) -> Array:
     """Matrix (points, n) from n samples of a period to their trigonometric interpolation."""
     spectrum = np.fft.rfft(np.eye(n), axis=0)
@@ -39,7 +39,7 @@ def between(steps: int, periodic: bool) -> tuple[Array, Array]:
     )
 
 
-@cache
+@lru_cache(maxsize=8)
 def spline_matrix(n: int, times: int, order: int) -> Array:
     """Matrix from n samples at 0, 1, ... to a derivative of their spline, `times` points for each.
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from functools import cache
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -45,13 +45,13 @@ def stage_times(start: float, step: float, steps: int) -> Array:
     return start + step * np.append(inner, steps)
 
 
-@cache
+@lru_cache(maxsize=8)
 def turns_of(steps: int, harmonics: int) -> Array:
     """Sine, cosine and value of a gait's phases j u at the rows of a table (3, rows, harmonics)."""
     return _phases(2 * np.pi / steps, stage_times(0, 1, steps), harmonics)
 
 
-@cache
+@lru_cache(maxsize=8)
 def turns_at(instants: int, harmonics: int) -> Array:
     """Likewise at equal instants of a period (3, instants, harmonics)."""
     return _phases(2 * np.pi / instants, np.arange(float(instants)), harmonics)

@@ -9,7 +9,7 @@ the plane. With m the mean of the contact point over the period, the speed that
 
 from __future__ import annotations
 
-from functools import cache
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -105,7 +105,7 @@ def measures(cycles: Cycles, sight: Seen, periods: int = 1) -> Measures:
     )  # fmt: skip
 
 
-@cache
+@lru_cache(maxsize=8)
 def _interpolation(n: int) -> tuple[Array, Array]:
     """Values and slopes, per radian of the period, of the trigonometric interpolation of n samples
     at more points (points, n)."""
