@@ -1,5 +1,7 @@
 """Gaits that get a robot free: what the search is made of, against other ways to compute it."""
 
+from copy import copy
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -10,10 +12,11 @@ from rrrobot.escape.atlas import Atlas
 from rrrobot.escape.bench import Bench, Outcome
 from rrrobot.escape.bodies import capsules_of
 from rrrobot.escape.capsules import Capsules, clearances
+from rrrobot.escape.finding import find_gaits
 from rrrobot.escape.goals import goal_of
 from rrrobot.escape.limits import EscapeLimits, Rules
 from rrrobot.escape.loss import rocking_damping, rocking_modes
-from rrrobot.escape.polish import judge, polish
+from rrrobot.escape.polish import Scale, climb, judge
 from rrrobot.escape.small import best_small, cost, small_gaits
 from rrrobot.escape.spaces import spaces, symmetric
 from rrrobot.momentum.tree import tree_of
@@ -39,8 +42,7 @@ def bench(biped):
     found = rocking_modes(model, UP)
     capsules, limbs = capsules_of(shapes, ())
     made = Bench(model, capsules, limbs, min(m.decay_rate for m in found))
-    made.tell_apart(shapes, UP, 0.01)
-    return made
+    return made.near(shapes, UP[None], 0.005)
 
 
 # Capsules
@@ -133,8 +135,14 @@ def test_capsules_that_overlap_tell_what_coal_tells_in_the_posture():
     near = bench.still(folded[None])[1][0]
     least = 0.5 * (near + exact)
     assert near < exact - 0.02
-    bench.tell_apart(shapes, folded, least)
-    assert bench.still(folded[None])[1][0] >= least
+    assert bench.exact(shapes, folded[None]).min() == pytest.approx(exact, abs=1e-9)
+    bench = bench.near(shapes, folded[None], least)
+    # Of the links that are nearest it tells how much nearer they may come, all but a millimetre.
+    k = int(bench.exact(shapes, folded[None])[0].argmin())
+    whole = bench.capsules
+    bench.capsules = whole._replace(pairs=whole.pairs[k, None], extra=whole.extra[k, None])
+    assert bench.still(folded[None])[1][0] - least == pytest.approx(exact - 1e-3, abs=1e-9)
+    bench.capsules = whole
     nearer = folded + np.array((0.0, 0.0, 0.2) * 2)
     assert bench.still(nearer[None])[1][0] < bench.still(folded[None])[1][0]
 
@@ -191,7 +199,7 @@ def test_spaces_are_what_reflections_keep():
     robot = rr.Robot.from_urdf(text, shell=rr.Sphere(0.3), shell_center=(0, 0, 0.25))
     found = spaces(robot)
     sizes = {}
-    for name, basis in found:
+    for name, basis, _ in found:
         sizes.setdefault(name, []).append(basis.shape[1])
         np.testing.assert_allclose(basis.T @ basis, np.eye(basis.shape[1]), atol=1e-12)
     # Twelve joints; each reflection halves the space.
@@ -199,7 +207,7 @@ def test_spaces_are_what_reflections_keep():
         "all": [12], "alike": [3], "mirrored": [3, 3, 6], "opposite": [3, 3, 6],
         "front-back": [6, 6], "diagonal": [6, 6], "one leg": [3] * 4,
     }  # fmt: skip
-    (alike,) = (basis for name, basis in found if name == "alike")
+    (alike,) = (basis for name, basis, _ in found if name == "alike")
     names = [robot.legs[k] for k in np.flatnonzero(np.abs(alike[:, 0]) > 1e-9)]
     assert {name.split("_")[1] for name in names} <= {"haa", "hfe", "kfe"}
     posture = symmetric(robot, np.random.default_rng(0).normal(size=12))
@@ -208,7 +216,7 @@ def test_spaces_are_what_reflections_keep():
 
 def test_gaits_of_a_symmetric_space_do_not_travel_where_they_must_not(bench):
     rng = np.random.default_rng(5)
-    for name, basis in spaces(bench.model.robot, ("mirrored", "opposite")):
+    for name, basis, _ in spaces(bench.model.robot, ("mirrored", "opposite")):
         m = basis.shape[1]
         a = 0.1 * basis @ (rng.normal(size=m) + 1j * rng.normal(size=m))
         offset = symmetric(bench.model.robot, UP + 0.1 * rng.normal(size=6))
@@ -278,13 +286,13 @@ class Landscape:
 
 def test_polish_finds_the_constrained_optimum():
     ends = JointEnds(np.full(2, -9.0), np.full(2, 9.0), np.full(2, 99.0), np.full(2, np.inf))
-    rules = Rules(goal_of("forward"), EscapeLimits(friction=0.25), ends, 0.3, 0.4)
+    rules = Rules(goal_of("forward"), EscapeLimits(friction=0.25 / 0.96), ends, 0.3, 0.4)
     bench = Landscape()
     start = GaitBatch(
         np.array([[0.1, -0.2]]), np.zeros((1, 2)), *[np.zeros((1, 1, 2))] * 2, np.array([5.0])
     )
     begun = judge(rules, start, bench(start))[0]
-    best = polish(bench, rules, begun, np.full(2, 0.5), iterations=60)
+    *_, best = climb(bench, rules, begun, Scale(np.full(2, 0.5), 1), iterations=60)
     # Within the circle of radius 1/2, x + y/2 is greatest along (2, 1).
     assert best.valid and best.binding == ("friction",)
     assert best.value == pytest.approx(1 + 0.5 * np.sqrt(1.25), rel=5e-3)
@@ -297,7 +305,7 @@ def test_polish_finds_the_constrained_optimum():
 def test_grown_gaits_keep_within_every_limit(bench):
     ends = EscapeLimits().ends(bench.model.robot)
     rules = Rules(goal_of("forward"), EscapeLimits(), ends, 0.25, 0.3)
-    atlas = Atlas(bench, bench.model, UP[None], ends, 0.25, ("all", "opposite"), (0.9, 1.1))
+    atlas = Atlas(bench.model, UP[None], [bench], ends, 0.25, ("all", "opposite"), (0.9, 1.1))
     seeds = atlas.seeds(rules, 4)
     assert seeds == sorted(seeds, key=lambda seed: -seed.predicted)
     best = max(atlas.grown(rules, seeds), key=lambda one: (one.valid, one.value))
@@ -315,6 +323,42 @@ def test_grown_gaits_keep_within_every_limit(bench):
     # The search sees the tilt at the engine's steps only.
     tilt = np.arccos(np.cos(t.euler[last, 0]) * np.cos(t.euler[last, 1])).max()
     assert 0.97 * tilt < best.outcome.most_tilt[0] <= tilt * (1 + 1e-4)
+
+
+def test_a_larger_budget_sees_all_that_a_smaller_one_saw(bench):
+    ends = EscapeLimits().ends(bench.model.robot)
+    rules = Rules(goal_of("forward"), EscapeLimits(), ends, 0.25, 0.3)
+    atlas = Atlas(bench.model, UP[None], [bench], ends, 0.25, ("all", "mirrored"), (0.9, 1.1))
+    seen, values = [], []
+    for budget in (150, 300, 600):
+        begun = bench.simulated
+        found = find_gaits(bench, atlas, rules, budget=budget, harmonics=2)
+        assert bench.simulated - begun < budget + 400
+        seen.append({one.gait.sine.tobytes() for one in found})
+        values.append(found[0].value)
+        assert found[0].valid
+    assert seen[0] <= seen[1] <= seen[2] and len(seen[0]) < len(seen[2])
+    assert values == sorted(values) and values[2] > values[0]
+
+
+def test_gaits_whose_links_touch_are_taken_up_from_where_they_are(bench):
+    """What `nearer` says of a gait is heard: the next bench is used, and the gait is not told."""
+    ends = EscapeLimits().ends(bench.model.robot)
+    rules = Rules(goal_of("forward"), EscapeLimits(), ends, 0.25, 0.3)
+    atlas = Atlas(bench.model, UP[None], [bench], ends, 0.25, ("all",), (0.9, 1.1))
+    strict, refused = copy(bench), []
+    strict.capsules = bench.capsules._replace(extra=bench.capsules.extra - 0.01)
+
+    def nearer(at, one):
+        if at is bench and one.value > 0.005:
+            refused.append(one)
+            return strict
+        return None
+
+    found = find_gaits(bench, atlas, rules, budget=400, harmonics=1, nearer=nearer)
+    assert refused and not any(one is other for one in found for other in refused)
+    assert found[0].valid and found[0].value > 0.005
+    assert found[0].outcome.apart[0] == strict(found[0].gait).apart[0]
 
 
 def test_a_robot_that_tips_is_told(biped):

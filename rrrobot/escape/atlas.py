@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -23,7 +23,7 @@ from rrrobot.escape.small import (
     small_gaits,
     straight,
 )
-from rrrobot.escape.spaces import spaces
+from rrrobot.escape.spaces import Group, spaces
 from rrrobot.models.base import Model
 from rrrobot.robot.limits import JointEnds
 
@@ -44,20 +44,22 @@ class Seed(NamedTuple):
 
     predicted: float
     """value of the goal at a^H M a = 1"""
-    group: str
-    """of `spaces`"""
+    group: Group
+    """that it is of"""
     small: SmallGaits
     amplitude: Complex
     """(legs,)"""
+    bench: Bench
+    """for gaits about its posture"""
 
 
 class Atlas:
     """Forms of small gaits about postures at frequencies near the rocking modes.
 
     Args:
-        bench: where gaits run.
-        model: its model.
+        model: of the benches.
         postures: offsets (k, legs) [rad].
+        benches: where gaits about each posture run.
         ends: limits of the joints.
         tilt: allowed [rad].
         groups: see `spaces`.
@@ -70,20 +72,20 @@ class Atlas:
 
     def __init__(
         self,
-        bench: Bench,
         model: Model,
         postures: Array,
+        benches: Sequence[Bench],
         ends: JointEnds,
         tilt: float,
         groups: tuple[str, ...],
         near: tuple[float, ...] = NEAR,
         stop: Callable[[], bool] = lambda: False,
     ) -> None:
-        self.bench, self.ends, self.tilt = bench, ends, tilt
+        self.ends, self.tilt = ends, tilt
         self.spaces = spaces(model.robot, groups)
-        self.forms: list[SmallGaits] = []
+        self.forms: list[tuple[SmallGaits, Bench]] = []
         self.rocking: list[Array] = []
-        for offset in postures:
+        for offset, bench in zip(postures, benches, strict=True):
             if self.forms and stop():
                 break
             omegas = rocking_frequencies(model, offset)
@@ -91,7 +93,7 @@ class Atlas:
             if omegas.size:
                 wanted = np.unique(np.outer(omegas, near).ravel())
                 kept = wanted[np.concatenate(([True], np.diff(np.log(wanted)) > 0.03))]
-                self.forms += small_gaits(bench, offset, kept)
+                self.forms += [(small, bench) for small in small_gaits(bench, offset, kept)]
         if not self.forms:
             raise ModelError(
                 "no small gait about the postures settles: the robot does not rock about a stable "
@@ -108,18 +110,19 @@ class Atlas:
     def seeds(self, rules: Rules, count: int) -> list[Seed]:
         """The best small gaits for a goal, no two alike."""
         found = []
-        for small in self.forms:
+        for small, bench in self.forms:
+            every = Group("all", np.eye(small.offset.size), np.eye(small.offset.size))
             metric = cost(small, self.room(small), self.tilt)
             if rules.goal.leans:
                 ahead, left, _ = rules.goal.weights
                 a = leaning(small, metric, ahead, left)
                 size = abs(np.dot(ahead * small.rocking[1] - left * small.rocking[0], a))
-                found.append(Seed(float(size), "all", small, a))
+                found.append(Seed(float(size), every, small, a, bench))
                 continue
             form = np.tensordot(rules.goal.weights, small.travel, 1)
-            for group, basis in self.spaces:
-                ways = best_small(form, metric, basis, _WAYS)
-                if group == "all" and ways and not rules.goal.turns:
+            for group in self.spaces:
+                ways = best_small(form, metric, group.swings, _WAYS)
+                if group.name == "all" and ways and not rules.goal.turns:
                     x, y, _ = rules.goal.weights
                     aside = (x * small.travel[1] - y * small.travel[0], small.travel[2])
                     ways.append(straight(form, aside, metric))
@@ -127,7 +130,7 @@ class Atlas:
                     travel = np.real(np.einsum("j,kjl,l->k", a.conj(), small.travel, a))
                     if rules.goal.slack(travel[None], rules.length).min(initial=1.0) > _ASIDE:
                         value = float(rules.goal.value(travel[None])[0])
-                        found.append(Seed(value, group, small, a))
+                        found.append(Seed(value, group, small, a, bench))
         found.sort(key=lambda seed: -seed.predicted)
         chosen: list[Seed] = []
         for seed in found:
@@ -139,22 +142,21 @@ class Atlas:
 
     def grown(self, rules: Rules, seeds: list[Seed]) -> list[Judged]:
         """Of each seed, the best of its sizes that the limits allow."""
-        k = len(_SCALES)
-        swing = np.concatenate([np.outer(_SCALES, seed.amplitude) for seed in seeds])
-        offset = np.repeat([seed.small.offset for seed in seeds], k, axis=0)
+        return [self._grown(rules, seed) for seed in seeds]
+
+    @staticmethod
+    def _grown(rules: Rules, seed: Seed) -> Judged:
+        k, swing = len(_SCALES), np.outer(_SCALES, seed.amplitude)
+        offset = np.tile(seed.small.offset, (k, 1))
         gaits = GaitBatch(
             offset, np.zeros_like(offset), swing.real[:, None].copy(), swing.imag[:, None].copy(),
-            np.repeat([seed.small.omega for seed in seeds], k),
+            np.full(k, seed.small.omega),
         )  # fmt: skip
-        found = judge(rules, gaits, self.bench(gaits))
-        best = []
-        for i in range(len(seeds)):
-            one, *others = found[k * i : k * (i + 1)]
-            for other in others:
-                if np.isfinite(other.value) and other.better_than(one):
-                    one = other
-            best.append(one)
-        return best
+        one, *others = judge(rules, gaits, seed.bench(gaits))
+        for other in others:
+            if np.isfinite(other.value) and other.better_than(one):
+                one = other
+        return one
 
 
 def _apart(seed: Seed, other: Seed) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
+from copy import copy
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -26,6 +27,8 @@ COUNTED = 4
 _STEPS = 12
 _CLOSE_SAMPLES = 12
 """Instants of a cycle at which clearances are taken, at least."""
+_SPARE = 1e-3
+"""Of the links' distance, that is kept where capsules only tell how it changes [m]."""
 _CHUNK = 64
 """Gaits that a thread takes at a time."""
 _COLUMNS = [RESULT.index(name) for name in ("velocity_x", "velocity_y", "yaw_rate")]
@@ -84,7 +87,7 @@ class Bench:
             to 1e-4.
 
     Attributes:
-        simulated: gaits so far.
+        simulated: gaits so far, by this one and by those that `near` made of it.
     """
 
     def __init__(self, model: Model, capsules: Capsules, limbs: int, decay: float) -> None:
@@ -94,11 +97,16 @@ class Bench:
         self.setting = self.setting._replace(fineness=-(-self.setting.fineness // 2))
         self.weight = model.robot.mass * model.gravity
         self.limbs = limbs
-        self.simulated = 0
+        self._simulated = [0]
         terrain = self.setting.terrain
         self.curvature = 0.0
         if terrain is not None and terrain.ground == BOULDER:
             self.curvature = float(terrain.curvature)
+
+    @property
+    def simulated(self) -> int:
+        """See above."""
+        return self._simulated[0]
 
     @property
     def settle_time(self) -> float:
@@ -122,7 +130,7 @@ class Bench:
                 found = Outcome.joined(list(pool.map(run, chunks)))
         else:
             found = run(order)
-        self.simulated += n
+        self._simulated[0] += n
         return found.rows(np.argsort(order, kind="stable"))
 
     def configurations(self, gaits: GaitBatch) -> Array:
@@ -160,30 +168,46 @@ class Bench:
             np.tile(normal, (n, 1, 1)), np.tile(origin + about, (n, 1, 1)), self.curvature,
         )  # fmt: skip
 
-    def tell_apart(self, shapes: Shapes, offset: Array, least: float) -> None:
-        """Correct pairs whose capsules are too near in a posture (legs,) by what Coal says there.
+    def exact(self, shapes: Shapes, angle: Array) -> Array:
+        """Distances by Coal of the links of each pair at legs' angles (n, legs): (n, pairs) [m]."""
+        model = self.model.model
+        q, data, apart = pin.neutral(model), model.createData(), shapes.geometry.createData()
+        out = np.empty((len(angle), len(self.capsules.pairs)))
+        for row, legs in zip(out, angle, strict=True):
+            self.model.legs.write(q, legs)
+            pin.computeDistances(model, data, shapes.geometry, apart, q)
+            row[:] = [result.min_distance for result in apart.distanceResults]
+        return out
 
-        A capsule around a box is wider than the box. From the posture on, the search sees how much
-        nearer the two capsules come.
+    def near(self, shapes: Shapes, angle: Array, least: float) -> Bench:
+        """A bench for motions near legs' angles (n, legs), that knows by Coal what is apart there.
+
+        A capsule around a box is wider than the box. Where the capsules of a pair are nearer than
+        twice that distance, the search sees by how much they come nearer than at these angles, and
+        lets the links nearly touch.
 
         Args:
             shapes: of the capsules.
-            offset: a posture in which links are apart.
-            least: distance from which on capsules will do [m].
+            angle: a posture, or the instants of a gait.
+            least: distance that capsules are to keep [m].
         """
-        whole, model = self.capsules, self.model.model
-        if not len(whole.pairs):
-            return
-        q, data, apart = pin.neutral(model), model.createData(), shapes.geometry.createData()
-        self.model.legs.write(q, offset)
-        pin.computeDistances(model, data, shapes.geometry, apart, q)
-        exact = np.array([result.min_distance for result in apart.distanceResults])
-        near = np.empty(len(exact))
+        own, whole = copy(self), self.capsules
+        exact, extra = self.exact(shapes, angle), np.zeros(len(whole.pairs))
         for k, pair in enumerate(whole.pairs):
-            self.capsules = whole._replace(pairs=pair[None], extra=np.zeros(1))
-            near[k] = self.still(offset[None])[1][0]
-        extra = np.where(near < least, np.maximum(exact, least) - near, 0.0)
-        self.capsules = whole._replace(extra=extra)
+            own.capsules = whole._replace(pairs=pair[None], extra=np.zeros(1))
+            gaps = own.still(angle)[1]
+            if gaps.min() < 2 * least:
+                extra[k] = (exact[:, k] - gaps).min() + least - _SPARE
+        own.capsules = whole._replace(extra=extra)
+        return own
+
+    def cycle(self, gaits: GaitBatch) -> Array:
+        """Legs' angles at instants of one gait's cycle (n, legs)."""
+        turn = np.linspace(0.0, 2 * np.pi, _CLOSE_SAMPLES, endpoint=False)
+        turns = np.multiply.outer(turn, np.arange(gaits.sine.shape[1]) + 1)
+        return np.asarray(
+            gaits.offset[0] + np.sin(turns) @ gaits.sine[0] + np.cos(turns) @ gaits.cosine[0]
+        )
 
     def _chunk(
         self, gaits: GaitBatch, cycles: NDArray[np.int64], *, forces: bool, clearance: bool

@@ -1,30 +1,39 @@
-"""The search for one goal: small gaits grown to the limits, polished, and the unlike ones kept.
+"""The search for one goal: small gaits grown to the limits, then climbs from the best of them.
 
 1. the best small gaits of every posture, frequency and symmetry, from the atlas: no simulation
 2. each at a dozen sizes: the largest that the limits allow
-3. the best few polished in all joints, offsets and the frequency
-4. the best of these with higher harmonics
+3. climbs from these: first as their group moves, then in all joints, then with higher harmonics
+
+What is simulated next depends on what was found, and never on the budget, which only says when to
+stop: a larger budget sees all that a smaller one saw, so that its best is never worse.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from functools import partial
+from collections.abc import Callable, Iterator
+from itertools import islice
 
 import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.errors import GaitError
-from rrrobot.escape.atlas import Atlas
+from rrrobot.escape.atlas import Atlas, Seed
 from rrrobot.escape.bench import Bench
 from rrrobot.escape.limits import Rules
-from rrrobot.escape.polish import Judged, Scale, polish
+from rrrobot.escape.polish import Judged, Scale, climb, judge
 
-_SEEDS, _STARTS, _ENRICHED = 12, 4, 1
-_FIRST_SHARE = 0.65
-"""Of the budget, for one harmonic."""
-_UNLIKE = 0.15
-"""Distance of points per coordinate at which gaits are different solutions."""
+_SEEDS = 12
+_SLICE = 3
+"""Steps of a climb before another may go on."""
+_GROUPED, _SINGLE, _ENRICHED = 8, 12, 30
+"""Steps as the group moves, in all joints, and with higher harmonics, at most."""
+UNLIKE, SAME = 0.15, 0.03
+"""Distance of points per coordinate from which on gaits are different solutions; and up to which
+they are one and the same."""
+_ROOM = 0.5
+"""Of the legs, for such distances [rad]."""
+
+Nearer = Callable[[Bench, Judged], Bench | None]
 
 
 def find_gaits(
@@ -34,87 +43,120 @@ def find_gaits(
     *,
     budget: int,
     harmonics: int,
+    nearer: Nearer = lambda bench, one: None,
     tell: Callable[[int], None] = lambda done: None,
 ) -> list[Judged]:
-    """Gaits for a goal, the best first; those within the limits before those that are not.
+    """Gaits for a goal, the best first; those that are clear and within the limits before others.
 
     Args:
-        bench: where gaits run.
+        bench: that counts what is simulated.
         atlas: small gaits to begin with.
         rules: limits and the goal.
-        budget: gaits that may be simulated.
+        budget: gaits that may be simulated; no climb goes on once they are.
         harmonics: of the gaits.
+        nearer: of a bench and a gait, None if the links' own shapes are clear, else a bench that
+            knows better from where the gait is.
         tell: told how many of the budget are simulated.
 
     Raises:
         GaitError: no gait goes there, or none settles.
     """
     begun = bench.simulated
-
-    def spent(share: float = 1.0) -> bool:
-        used = bench.simulated - begun
-        tell(min(used, budget))
-        return used >= share * budget
-
     seeds = atlas.seeds(rules, _SEEDS)
     if not seeds:
         raise GaitError(
             f"no small gait goes {rules.goal.name} without going elsewhere: free more joints, or "
             "other groups of them."
         )
-    rooms = [atlas.room(seed.small) for seed in seeds]
     found = atlas.grown(rules, seeds)
-    if not any(np.isfinite(one.value) for one in found):
+    order = ordered(found)
+    if not order:
         raise GaitError(
             f"no gait settles on the way {rules.goal.name}: the rocking grows without bound. More "
             "damping, a flatter belly or smaller swings would hold it."
         )
-    order = _ordered(range(len(found)), found)
-    kept: list[tuple[Judged, Array]] = [(found[i], rooms[i]) for i in order]
-    polished: list[tuple[Judged, Array]] = []
-    for n, i in enumerate(order[:_STARTS]):
-        share = _FIRST_SHARE * (n + 1) / _STARTS if harmonics > 1 else (n + 1) / _STARTS
-        if spent(share):
-            continue
-        one = polish(bench, rules, found[i], rooms[i], stop=partial(spent, share))
-        polished.append((one, rooms[i]))
-    if harmonics > 1:
-        for i in _ordered(range(len(polished)), [one for one, _ in polished])[:_ENRICHED]:
-            one, room = polished[i]
-            polished.append(
-                (polish(bench, rules, one, room, harmonics=harmonics, stop=spent), room)
-            )
-    spent()
-    every = [*polished, *kept]
-    order = _ordered(range(len(every)), [one for one, _ in every])
-    return _unlike([every[i] for i in order], harmonics)
+    climbs = [
+        _Climb(rules, seeds[i], found[i], atlas.room(seeds[i].small), harmonics, nearer)
+        for i in order
+    ]
+    seen = [one.best for one in climbs if one.clear]
+    turn = 0
+    while climbs and bench.simulated - begun < budget:
+        tell(bench.simulated - begun)
+        # By turns the best one, and the one that had the least chance; of equals, the better seed.
+        if turn % 2 == 0:
+            one = climbs[ordered([one.best for one in climbs])[0]]
+        else:
+            one = min(climbs, key=lambda climb: climb.slices)
+        if not one.goes_on():
+            climbs.remove(one)
+        elif one.clear and not any(one.best is other for other in seen):
+            seen.append(one.best)
+        turn += 1
+    tell(budget)
+    seen = seen or [one.best for one in climbs] or [found[order[0]]]
+    return [seen[i] for i in ordered(seen)]
 
 
-def _ordered(which: range, found: list[Judged]) -> list[int]:
+class _Climb:
+    """A climb that can be left and taken up again."""
+
+    def __init__(
+        self, rules: Rules, seed: Seed, start: Judged, room: Array, harmonics: int, nearer: Nearer
+    ) -> None:
+        self.best, self.bench, self.slices = start, seed.bench, 0
+        self.rules, self.group, self.room = rules, seed.group, room
+        self.harmonics, self.nearer = harmonics, nearer
+        self.steps = self._steps()
+        self._look()
+
+    def goes_on(self) -> bool:
+        """Some more steps; False if there are none."""
+        self.slices += 1
+        steps = list(islice(self.steps, _SLICE))
+        if steps:
+            self.best = steps[-1]
+            self._look()
+        return bool(steps)
+
+    def _look(self) -> None:
+        """Hold the best gait against the links' own shapes; if they touch, go on knowing that."""
+        better = self.nearer(self.bench, self.best) if self.best.valid else None
+        self.clear = better is None
+        if better is not None:
+            self.bench = better
+            gait = self.best.gait
+            self.best = judge(self.rules, gait, better(gait))[0]
+            self.steps = self._steps()
+
+    def _steps(self) -> Iterator[Judged]:
+        single, group = Scale(self.room, self.best.gait.sine.shape[1]), self.group
+        if group.swings.shape[1] < self.room.size:
+            free = single.directions(group.swings, group.offsets)
+            yield from self._climb(single, free, _GROUPED)
+        yield from self._climb(single, None, _SINGLE if self.harmonics > 1 else _ENRICHED)
+        if self.harmonics > 1:
+            yield from self._climb(Scale(self.room, self.harmonics), None, _ENRICHED)
+
+    def _climb(self, scale: Scale, free: Array | None, most: int) -> Iterator[Judged]:
+        return climb(self.bench, self.rules, self.best, scale, free=free, iterations=most)
+
+
+def ordered(found: list[Judged]) -> list[int]:
     """Indices, the best first; those that do not settle are left out."""
-    fit = [i for i in which if np.isfinite(found[i].value)]
     return sorted(
-        fit,
+        (i for i, one in enumerate(found) if np.isfinite(one.value)),
         key=lambda i: (found[i].valid, found[i].value if found[i].valid else found[i].slack),
         reverse=True,
     )
 
 
-def _unlike(found: list[tuple[Judged, Array]], harmonics: int) -> list[Judged]:
-    """Those that differ from all better ones; a shift in time is no difference."""
-    chosen: list[Judged] = []
-    for one, room in found:
-        scale = Scale(room, harmonics)
-        near = [_gap(scale, one, other) for other in chosen]
-        if min(near, default=np.inf) > _UNLIKE:
-            chosen.append(one)
-    return chosen
-
-
-def _gap(scale: Scale, one: Judged, other: Judged) -> float:
+def gap(one: Judged, other: Judged) -> float:
     """Root mean square distance of two gaits, whatever their beginning in time."""
+    legs = one.gait.offset.shape[1]
+    harmonics = max(one.gait.sine.shape[1], other.gait.sine.shape[1])
+    scale = Scale(np.full(legs, _ROOM), harmonics)
     a, b = scale.points(one.gait)[0], scale.points(other.gait)[0]
-    legs, harmonics = scale.room.size, scale.harmonics
     end = legs * (1 + harmonics)
     complex_a = (a[legs:end] + 1j * a[end:-1]).reshape(harmonics, legs)
     complex_b = (b[legs:end] + 1j * b[end:-1]).reshape(harmonics, legs)

@@ -15,6 +15,8 @@ from rrrobot.escape.goals import Escape
 from rrrobot.robot.limits import JointEnds, JointLimits
 
 _VARIATION = 0.01
+_GRIP = 0.96
+"""Part of the friction that the search uses: of stiff rocking its few steps see the peaks less."""
 LENGTH = 0.1
 """Length that makes a slack of one [m]."""
 TOUCH = 1e-4
@@ -88,7 +90,7 @@ class Rules(NamedTuple):
         low, high, rate = gaits.reach()
         parts: list[tuple[str, Array]] = [
             ("normal force", (out.normal - limits.normal_force)[:, None]),
-            ("friction", _below(out.friction, limits.friction)[:, None]),
+            ("friction", _below(out.friction, _GRIP * limits.friction)[:, None]),
             ("tilt", _below(out.most_tilt, limits.use * self.tilt)[:, None]),
             ("clearance", (out.height[:, :-1] - limits.clearance) / LENGTH),
             ("separation", (out.apart - limits.separation)[:, None] / LENGTH),

@@ -8,10 +8,11 @@ the corner.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
+import scipy.linalg
 
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import GaitBatch
@@ -23,6 +24,8 @@ _STEP = 1e-3
 _MARGIN = 4e-3
 """Slack that is kept for what differs between instants looked at and all others."""
 _PARTS = np.array((1.0, 0.6, 0.3, 0.1))
+_GAIN = 1e-4
+"""Of a step, in units of the goal's value, below which the next one is shorter."""
 _PRICE = 10.0
 """Of a slack that is missing, in units of the goal's value."""
 _FIRST, _WIDEST, _NARROWEST = 0.1, 0.5, 2e-3
@@ -45,6 +48,17 @@ class Scale(NamedTuple):
             padded[:, :h] = coefficients / self.room
             parts.append(padded.reshape(n, -1))
         return np.column_stack((*parts, np.log(gaits.angular_frequency)))
+
+    def directions(self, swings: Array, offsets: Array) -> Array:
+        """Points' directions, as columns, in which swings and offsets keep within spaces.
+
+        Args:
+            swings, offsets: columns span what each may be (legs, k).
+        """
+        parts = [offsets, *[swings] * (2 * self.harmonics), np.eye(1)]
+        whole = scipy.linalg.block_diag(*parts)
+        whole[:-1] /= np.tile(self.room, 1 + 2 * self.harmonics)[:, None]
+        return np.asarray(whole / np.abs(whole).max(axis=0))
 
     def gaits(self, points: Array) -> GaitBatch:
         """Gaits of points (n, m)."""
@@ -96,62 +110,57 @@ def judge(rules: Rules, gaits: GaitBatch, out: Outcome) -> list[Judged]:
     return found
 
 
-def polish(
+def climb(
     bench: Bench,
     rules: Rules,
     start: Judged,
-    room: Array,
+    scale: Scale,
     *,
-    harmonics: int = 1,
+    free: Array | None = None,
     iterations: int = 30,
-    stop: Callable[[], bool] = lambda: False,
-) -> Judged:
-    """The best gait near one, of so many harmonics; the start if none is better.
+) -> Iterator[Judged]:
+    """The best gait near one, better after every step; ends where no step leads on.
 
     Args:
         bench: where gaits run.
         rules: limits and the goal.
         start: a gait that settles.
-        room: swings that make a unit of the steps (legs,) [rad].
-        harmonics: of the gait.
+        scale: of the points, and how many harmonics.
+        free: directions in which to go, as columns (m, k); all unless given.
         iterations: at most.
-        stop: asked before each step; ends the search.
     """
-    scale = Scale(room, harmonics)
     x, best = scale.points(start.gait)[0], start
+    ways = np.eye(x.size) if free is None else free
     unit = max(abs(start.value), 1e-6)
-    radius, merit = _FIRST, -np.inf
+    radius = _FIRST
     for _ in range(iterations):
-        if stop() or radius < _NARROWEST:
-            break
-        gaits = scale.gaits(np.vstack((x, x + _STEP * np.eye(x.size))))
+        gaits = scale.gaits(np.vstack((x, x + _STEP * ways.T)))
         out = bench(gaits)
         values, slacks = rules.value(out) / unit, rules.slacks(gaits, out)[1]
         if not np.isfinite(values[0]):
-            break
+            return
         merit = _merit(values[:1], slacks[:1])[0]
         # A neighbour that does not settle says nothing.
         slope = np.nan_to_num((values[1:] - values[0]) / _STEP, neginf=0.0, posinf=0.0)
         lean = (slacks[1:] - slacks[0]).T / _STEP
-        while radius >= _NARROWEST:
-            step = _linear_step(slope, slacks[0] - _MARGIN, lean, radius)
+        gained = -np.inf
+        while gained <= _GAIN:
+            if radius < _NARROWEST:
+                yield best
+                return
+            step = ways @ _linear_step(slope, slacks[0] - _MARGIN, lean, radius)
             tries = scale.gaits(x + np.outer(_PARTS, step))
             found = judge(rules, tries, tried := bench(tries))
-            gained = _merit(rules.value(tried) / unit, rules.slacks(tries, tried)[1]) - merit
+            gains = _merit(rules.value(tried) / unit, rules.slacks(tries, tried)[1]) - merit
             for one in found:
                 if one.better_than(best):
                     best = one
-            k = int(np.argmax(gained))
-            if gained[k] > 1e-4:
-                x = x + _PARTS[k] * step
-                radius = min(_WIDEST, radius * (1.6 if k == 0 else 2 * _PARTS[k]))
-                break
-            radius *= 0.25
-            if stop():
-                break
-        else:
-            break
-    return best
+            k = int(np.argmax(gains))
+            gained = gains[k]
+            radius *= 0.25 if gained <= _GAIN else min(1.6, 2 * _PARTS[k]) if k else 1.6
+        x = x + _PARTS[k] * step
+        radius = min(_WIDEST, radius)
+        yield best
 
 
 def _merit(values: Array, slacks: Array) -> Array:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,8 +27,19 @@ opposite, as a half turn maps them; one limb alone."""
 _REFLECTIONS = ("left-right", "front-back")
 
 
-def spaces(robot: Robot, groups: Sequence[str] = GROUPS) -> list[tuple[str, Array]]:
-    """Names and bases (legs, m) of the spaces of gaits that the robot has.
+class Group(NamedTuple):
+    """Gaits that limbs move together in."""
+
+    name: str
+    """of `GROUPS`"""
+    swings: Array
+    """columns span the swings (legs, m)"""
+    offsets: Array
+    """columns span the postures that are their own images (legs, k)"""
+
+
+def spaces(robot: Robot, groups: Sequence[str] = GROUPS) -> list[Group]:
+    """The spaces of gaits that the robot has.
 
     Args:
         robot: any.
@@ -53,17 +65,18 @@ def spaces(robot: Robot, groups: Sequence[str] = GROUPS) -> list[tuple[str, Arra
         "front-back": [{"front-back": e} for e in (1, -1)],
         "diagonal": [{"half-turn": e} for e in (1, -1)],
     }
-    out: list[tuple[str, Array]] = []
+    out: list[Group] = []
     for group in groups:
         if group == "one leg":
             for chain in leg_chains(robot):
-                out.append((group, np.eye(n)[:, list(chain)]))
+                own = np.eye(n)[:, list(chain)]
+                out.append(Group(group, own, own))
             continue
         for wanted in signs[group]:
             if all(kind in maps for kind in wanted):
-                basis = _common(n, [(maps[kind], e) for kind, e in wanted.items()])
-                if basis.shape[1]:
-                    out.append((group, basis))
+                swings = _common(n, [(maps[kind], e) for kind, e in wanted.items()])
+                if swings.shape[1]:
+                    out.append(Group(group, swings, _common(n, [(maps[k], 1) for k in wanted])))
     if not out:
         raise ParameterError(
             f"{robot.name} has no limbs that mirror each other as {', '.join(groups)} would: "

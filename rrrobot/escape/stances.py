@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pinocchio as pin
 
+from rrrobot.belly.shapes import Shapes
 from rrrobot.checks import Array
 from rrrobot.escape.bench import Bench
 from rrrobot.escape.limits import EscapeLimits
@@ -16,19 +17,22 @@ from rrrobot.robot.robot import Robot
 _TRIED = 1024
 _WIDEST = 1.6
 """Of the deviations from the first posture, before images are averaged [rad]."""
+_WIDER = 0.03
+"""By which capsules may overlap where links do not touch [m]."""
 _UNLIKE = 0.35
 """Root mean square distance of postures from each other [rad]."""
 
 
 def stances(
-    robot: Robot, bench: Bench, first: Array, ends: JointEnds, limits: EscapeLimits, count: int,
+    shapes: Shapes, bench: Bench, first: Array, ends: JointEnds, limits: EscapeLimits, count: int,
     seed: int = 0,
 ) -> Array:  # fmt: skip
     """The first posture and others (k, legs), at most `count`: by turns clear and low ones.
 
     Each is its own image under the robot's symmetries, has room to swing, and keeps the limbs clear
-    of the ground and of each other in the upright pose.
+    of the ground and of each other in the upright pose, the latter as Coal has it.
     """
+    robot = shapes.robot
     rng = np.random.default_rng(seed)
     tried = np.vstack((
         first + rng.uniform(-_WIDEST, _WIDEST, (_TRIED // 2, robot.n_legs)),
@@ -42,7 +46,8 @@ def stances(
     clear = height[1:, :-1].min(axis=1, initial=np.inf) >= min(
         2 * limits.clearance, height[0, :-1].min(initial=np.inf)
     )
-    clear &= apart[1:] >= min(2 * limits.separation, apart[0])
+    clear &= apart[1:] >= min(2 * limits.separation, apart[0]) - _WIDER
+    least = 2 * limits.separation
     tried, room_below = tried[clear], height[1:, :-1].min(axis=1, initial=1.0)[clear]
     orders = [
         np.argsort(center_heights(robot, tried), kind="stable"),
@@ -52,10 +57,14 @@ def stances(
     while len(found) < count and any(order.size for order in orders):
         order = orders[len(found) % 2]
         gaps = np.min([np.sqrt(np.mean((tried - one) ** 2, axis=1)) for one in found], axis=0)
-        unlike = order[gaps[order] > _UNLIKE]
-        if not unlike.size:
+        unlike = (tried[i] for i in order[gaps[order] > _UNLIKE])
+        new = next(
+            (one for one in unlike if bench.exact(shapes, one[None]).min(initial=np.inf) >= least),
+            None,
+        )
+        if new is None:
             break
-        found.append(tried[unlike[0]])
+        found.append(new)
     return np.array(found)
 
 

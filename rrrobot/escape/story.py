@@ -20,7 +20,7 @@ from rrrobot.escape.atlas import Atlas
 from rrrobot.escape.bench import Bench
 from rrrobot.escape.bodies import base_length, capsules_of, with_legs
 from rrrobot.escape.confirming import EscapeGait, confirm
-from rrrobot.escape.finding import find_gaits
+from rrrobot.escape.finding import SAME, UNLIKE, find_gaits, gap
 from rrrobot.escape.goals import ROCK, USUAL, Escape, goal_of
 from rrrobot.escape.limits import TOUCH, EscapeLimits, Rules
 from rrrobot.escape.loss import RATIO, rocking_damping, rocking_modes
@@ -33,10 +33,8 @@ from rrrobot.models.full import FullModel
 from rrrobot.progress import Progress, Tell, checked_progress, progress_of
 from rrrobot.robot.robot import Robot
 
-_LOOKED = 20
-"""Gaits of which Coal is asked through a cycle."""
-_TRIED = 5
-"""Gaits that the KKT system simulates for a goal until enough are confirmed."""
+_TRIED = 12
+"""Gaits that the KKT system simulates for a goal until enough are confirmed, at most."""
 
 
 def unstick(
@@ -97,7 +95,7 @@ def unstick(
     """
     limits = EscapeLimits() if limits is None else limits
     for name, number, most in (
-        ("postures", postures, 20), ("harmonics", harmonics, 4), ("solutions", solutions, _TRIED),
+        ("postures", postures, 20), ("harmonics", harmonics, 4), ("solutions", solutions, 5),
     ):  # fmt: skip
         if isinstance(number, bool) or number not in range(1, most + 1):
             raise ParameterError(f"{name} is {number!r}: it must be a whole number, 1 to {most}.")
@@ -172,9 +170,10 @@ class _Work:
             )
         capsules, limbs = capsules_of(belly.shapes, belly.covered)
         self.bench = Bench(self.model, capsules, limbs, decay)
-        self.bench.tell_apart(belly.shapes, posture, 2 * limits.separation)
-        about = stances(robot, self.bench, posture, self.ends, limits, postures)
-        self.atlas = Atlas(self.bench, self.model, about, self.ends, self.tilt, groups)
+        shapes, least = belly.shapes, limits.separation
+        about = stances(shapes, self.bench, posture, self.ends, limits, postures)
+        benches = [self.bench.near(shapes, offset[None], least) for offset in about]
+        self.atlas = Atlas(self.model, about, benches, self.ends, self.tilt, groups)
 
     def gaits(
         self, goal: Escape, budget: int, harmonics: int, solutions: int, tell: Tell
@@ -183,20 +182,23 @@ class _Work:
         rules = Rules(goal, self.limits, self.ends, self.tilt, self.length)
         found = find_gaits(
             self.bench, self.atlas, rules, budget=budget, harmonics=harmonics,
-            tell=lambda done: tell(done, f"searching {goal.name}"),
+            nearer=self._nearer, tell=lambda done: tell(done, f"searching {goal.name}"),
         )  # fmt: skip
         confirmed: list[EscapeGait] = []
-        tried: list[EscapeGait] = []
-        # Coal first: what touches is tried last.
-        clear = [self._clear(one) for one in found[:_LOOKED]]
-        for i in sorted(range(len(clear)), key=lambda i: not clear[i])[:_TRIED]:
-            one = found[i]
+        failed: list[EscapeGait] = []
+        good: list[Judged] = []
+        bad: list[Judged] = []
+        for one in found:
+            if len(good) == solutions or len(good) + len(bad) == _TRIED:
+                break
+            near = min((gap(one, other) for other in good), default=np.inf) <= UNLIKE
+            if near or min((gap(one, other) for other in bad), default=np.inf) <= SAME:
+                continue
             tell(budget, f"confirming {goal.name}")
             gait = confirm(self.model, self.bench, rules, one, self.belly)
-            (confirmed if gait.met else tried).append(gait)
-            if len(confirmed) == solutions:
-                break
-        return confirmed or tried[:1]
+            (confirmed if gait.met else failed).append(gait)
+            (good if gait.met else bad).append(one)
+        return confirmed or failed[:1]
 
     def off(self, goal: Escape, floor: float | None) -> RollOff:
         """What comes of the legs' leaning to a side of a rock."""
@@ -204,12 +206,14 @@ class _Work:
             self.belly, goal, self.limits, self.ends, damping=self.model.damping, floor=floor
         )
 
-    def _clear(self, one: Judged) -> bool:
-        """Whether links stay off the ground and each other through the engine's cycle."""
-        (every,) = self.bench.configurations(one.gait)
+    def _nearer(self, bench: Bench, one: Judged) -> Bench | None:
+        """None where links stay off the ground and each other; else a bench that knows better."""
+        (every,) = bench.configurations(one.gait)
         shapes, covered = self.belly.shapes, self.belly.covered
         found = clearances(shapes, every, self.belly.ground)
         base = {piece.link for piece in shapes.on_joint(1)} | set(covered)
         limbs = [i for i, link in enumerate(found.links) if link not in base]
         height = found.ground[:, limbs].min(initial=np.inf)
-        return bool(height >= 0 and found.between.min() >= -TOUCH)
+        if height >= 0 and found.between.min() >= -TOUCH:
+            return None
+        return bench.near(shapes, bench.cycle(one.gait), self.limits.separation)
