@@ -22,6 +22,7 @@ from rrrobot.escape.spaces import spaces, symmetric
 from rrrobot.momentum.tree import tree_of
 from rrrobot.robot.limits import JointEnds
 from tests.some import some
+from tests.test_belly import board
 
 UP = np.array((0.0, 2.7, 0.3) * 2)
 """Legs of `biped` upward."""
@@ -374,3 +375,23 @@ def test_groups_that_do_not_exist_are_refused(biped):
         spaces(biped, ("twins",))
     with pytest.raises(rr.ParameterError, match="friction is 0"):
         EscapeLimits(friction=0.0)
+
+
+def test_legs_that_cannot_clear_the_ground_are_told_with_what_to_try():
+    """Their limits keep them below the belly: the limb, by how much, and ways out are named."""
+    low = board().replace('lower="-1.0" upper="1.0"', 'lower="0.5" upper="1.0"')
+    robot = rr.Robot.from_urdf(low, shell=rr.Sphere(1.0))
+    found = rr.unstick(robot, goals=["forward"], budget=200)
+    assert not found.met and not found.found
+    told = found.reasons["forward"]
+    assert "mm in the ground within" in told and "touches the ground" in told
+    assert "within the joint limits" in told and "Try" in told and "on a rock legs may hang" in told
+
+
+def test_a_belly_that_tips_over_is_told_with_what_to_try():
+    robot = rr.Robot.from_urdf(board(arms=False), shell=rr.Sphere(1.0))
+    found = rr.unstick(rr.fit_belly(robot, ground=rr.Boulder(0.04)), budget=200)
+    told = set(found.reasons.values())
+    assert not found.met and len(told) == 1
+    (text,) = told
+    assert "mm above the centre of curvature" in text and "larger boulder" in text and "Try" in text

@@ -1,11 +1,13 @@
 """Off a rock: a board with a heavy arm that leans over the belly's edge."""
 
 import numpy as np
+import pinocchio as pin
 import pytest
 
 import rrrobot as rr
 from rrrobot.escape.goals import goal_of
 from rrrobot.escape.limits import EscapeLimits
+from rrrobot.escape.report import off_rows
 from rrrobot.escape.rolling_off import roll_off, way_of
 from tests.test_belly import BALL, HEIGHT, LENGTH, MASS, WIDTH, joint, link
 
@@ -51,6 +53,19 @@ def test_a_robot_leans_over_the_edge_and_slides_off_to_that_side(crane, tmp_path
     needed = run.required_friction
     assert needed[at + 1 :].max() <= LIMITS.friction * (1 + 1e-6)
     assert needed[-1] == pytest.approx(LIMITS.friction, rel=1e-2)
+    # It is left of the rock, leans left, and could fall no faster than its energy allows.
+    at, last = way.landing, run.configuration[-1]
+    assert (at.ahead, at.left) == tuple(last[:2]) and at.left > 0.05 and abs(at.heading) < 0.1
+    assert at.tilt == pytest.approx(-run.euler[-1, 0], abs=0.05)
+    model = run.robot.model
+    center = [np.array(pin.centerOfMass(model, model.createData(), q)) for q in
+              run.configuration[-2:]]  # fmt: skip
+    speed = np.linalg.norm(center[1] - center[0]) / (run.time[-1] - run.time[-2])
+    assert at.speed == pytest.approx(speed, rel=0.1) and at.speed > 0.05
+    assert 0 < at.room < 1.0 and at.impact**2 == pytest.approx(at.speed**2 + 2 * 9.81 * at.room)
+    rows = off_rows(way)
+    assert "mm left of the rock's top" in rows["there its base is"]
+    assert "comes down at up to" in rows["to the floor it still falls"]
     run.save(tmp_path / "run.npz")
     again = way_of(way.to_dict(), tmp_path / "run.npz")
     assert again.to_dict() == way.to_dict()

@@ -219,7 +219,9 @@ def _belly_rows(found: Unstuck) -> dict[str, str]:
         if np.isfinite(mode.period) and mode.period < 1e3:
             rows[f"mode: {mode.axis}"] = f"{mode.period:.3f} s, {2 * np.pi / mode.period:.2f} rad/s"
     if found.damping is not None:
-        numbers = [f"{v:.3g}" for v in found.damping.values() if isinstance(v, float)]
+        # Of the legs' rates too, if there is any.
+        numbers = [f"{key} {v:.3g}" for key, v in found.damping.items()
+                   if isinstance(v, float) and (v or key != "legs")]  # fmt: skip
         rows["damping of the rocking (assumed unless given)"] = f"{', '.join(numbers)} N m s/rad"
     limits = found.limits
     rows["limits"] = (
@@ -246,6 +248,20 @@ def off_rows(way: RollOff) -> dict[str, str]:
         ends = {"floor": f"{way.link} reaches the floor", "slide": "it slides off"}
         told = ends.get(way.ended, "the rock pushes no longer")
         rows["ends"] = f"at {way.duration:.2f} s: {told}"
+        at, deg = way.landing, np.rad2deg
+        rows["there its base is"] = (
+            f"{1000 * at.ahead:.0f} mm ahead and {1000 * at.left:.0f} mm left of the rock's top, "
+            f"faces {deg(at.heading):.0f} deg to the left and leans {deg(at.tilt):.0f} deg"
+        )
+        rows["its centre of mass moves at"] = f"{at.speed:.2f} m/s"
+        if at.room > 0:
+            rows["to the floor it still falls"] = (
+                f"{1000 * at.room:.0f} mm, and comes down at up to {at.impact:.2f} m/s"
+            )
+        rows["from the floor on"] = (
+            "how it comes to lie is not computed; gaits of a robot that lies on its belly there: "
+            "the same command without --ground"
+        )
     return rows
 
 

@@ -4,6 +4,9 @@ On a boulder of radius R a flat belly rests where its centre of mass, h above it
 is over the contact: the place of that on the belly is about c R / (R - h). Where it comes to the
 belly's edge the robot tips over, about an edge that is rounded, and goes on until something of it
 reaches the floor, it slides off, or the rock pushes no longer. A round belly rolls on by itself.
+
+There the run ends: what follows is a fall, and blows of which nobody knows how they end. `Landing`
+tells the place, the speed and the pose in which the rock lets go, and bounds the speed below.
 """
 
 from __future__ import annotations
@@ -11,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
@@ -56,6 +59,26 @@ _FLOOR, _ROCK, _SLIDE, _LEFT = "floor", "rock", "slide", "lift-off"
 _GONE = (_FLOOR, _SLIDE, _LEFT)
 
 
+class Landing(NamedTuple):
+    """Where and how a robot is as its rock lets it go, or as it reaches the floor."""
+
+    ahead: float
+    """base's origin from the top of the rock, to where the robot faced at rest [m]"""
+    left: float
+    """and to the left of that [m]"""
+    heading: float
+    """which way it faces, to the left of where it faced at rest [rad]"""
+    tilt: float
+    """angle of its z axis from the vertical; beyond pi/2 it lies on its side or back [rad]"""
+    speed: float
+    """of the centre of mass [m/s]"""
+    room: float
+    """height of its lowest point above the floor [m]"""
+    impact: float
+    """largest speed at which the centre of mass can come down to the floor from there,
+    sqrt(speed^2 + 2 g room) [m/s]"""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RollOff:
     """How a robot gets off a rock, or why it does not.
@@ -71,6 +94,7 @@ class RollOff:
         link: that reaches the floor, if one does.
         over: when the belly is at its edge [s]; NaN if it never is.
         friction: largest coefficient needed until then.
+        landing: where, how fast and which way up it is at the end of the run.
         trajectory: all of it, at rest first.
 
     Example:
@@ -89,6 +113,7 @@ class RollOff:
     link: str
     over: float
     friction: float
+    landing: Landing
     trajectory: Trajectory = field(repr=False)
 
     @property
@@ -102,6 +127,7 @@ class RollOff:
             "goal": self.goal.to_dict(), "drive": self.drive.to_dict(), "shift": self.shift,
             "met": self.met, "reason": self.reason, "ended": self.ended, "link": self.link,
             "over": self.over, "friction": self.friction, "duration": self.duration,
+            "landing": self.landing._asdict(),
         }  # fmt: skip
 
     def __repr__(self) -> str:
@@ -160,7 +186,7 @@ def roll_off(
     reason = _reason(belly, run, side, shift, ended, [str(v) for v in own.violations])
     return RollOff(
         goal=goal, drive=drive, shift=shift, met=not reason, reason=reason, ended=ended, link=link,
-        over=over, friction=own.peak_friction, trajectory=run,
+        over=over, friction=own.peak_friction, landing=_landing(belly, run, depth), trajectory=run,
     )  # fmt: skip
 
 
@@ -297,6 +323,21 @@ def _lowest(belly: Belly, run: Trajectory, depth: float) -> str:
     return belly.shapes.pieces[int(np.argmin(heights))].link
 
 
+def _landing(belly: Belly, run: Trajectory, depth: float) -> Landing:
+    """Of the last sample of a run."""
+    model, data = belly.robot.model, belly.robot.model.createData()
+    pin.centerOfMass(model, data, run.configuration[-1], run.velocity[-1])
+    speed = float(np.linalg.norm(data.vcom[0]))
+    room = max(0.0, float(_heights(belly, run.configuration[-1]).min()) + depth)
+    turn = pin.Quaternion(run.configuration[-1, 3:7].copy()).toRotationMatrix()
+    ahead, left = run.configuration[-1, :2].tolist()
+    return Landing(
+        ahead, left, float(np.arctan2(turn[1, 0], turn[0, 0])),
+        float(np.arccos(np.clip(turn[2, 2], -1.0, 1.0))), speed, room,
+        float(np.sqrt(speed**2 + 2.0 * run.gravity * room)),
+    )  # fmt: skip
+
+
 def _reason(
     belly: Belly, run: Trajectory, side: Array, shift: float, ended: str, broken: list[str]
 ) -> str:
@@ -331,5 +372,6 @@ def way_of(entry: Mapping[str, Any], run: Path) -> RollOff:
     over = float("nan") if entry["over"] is None else float(entry["over"])
     return RollOff(
         goal=goal_of(entry["goal"]["name"]), drive=drive, over=over,
+        landing=Landing(**entry["landing"]),
         trajectory=Trajectory.load(run), **numbers,
     )  # fmt: skip
