@@ -14,7 +14,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import pinocchio as pin
@@ -36,6 +36,7 @@ from rrrobot.drive.moves import LegMoves, Straight
 from rrrobot.drive.tables import gait_from_dict
 from rrrobot.errors import ModelError, SimulationError, SimulationInterrupted
 from rrrobot.escape.goals import Escape, goal_of
+from rrrobot.escape.landing import Landing, heights, landing
 from rrrobot.escape.limits import EscapeLimits
 from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
@@ -57,26 +58,6 @@ _FALL, _SAMPLE = 5.0, 0.005
 _ASIDE = np.deg2rad(60.0)
 _FLOOR, _ROCK, _SLIDE, _LEFT = "floor", "rock", "slide", "lift-off"
 _GONE = (_FLOOR, _SLIDE, _LEFT)
-
-
-class Landing(NamedTuple):
-    """Where and how a robot is as its rock lets it go, or as it reaches the floor."""
-
-    ahead: float
-    """base's origin from the top of the rock, to where the robot faced at rest [m]"""
-    left: float
-    """and to the left of that [m]"""
-    heading: float
-    """which way it faces, to the left of where it faced at rest [rad]"""
-    tilt: float
-    """angle of its z axis from the vertical; beyond pi/2 it lies on its side or back [rad]"""
-    speed: float
-    """of the centre of mass [m/s]"""
-    room: float
-    """height of its lowest point above the floor [m]"""
-    impact: float
-    """largest speed at which the centre of mass can come down to the floor from there,
-    sqrt(speed^2 + 2 g room) [m/s]"""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -167,7 +148,7 @@ def roll_off(
     watch = _watch(belly, depth)
     rest = np.zeros(3) if belly.rest is None else belly.rest
     q = model.configuration(model.make_pose(rest, np.zeros(2)), belly.posture)
-    if (low := _heights(belly, q)).min() < -depth:
+    if (low := heights(belly, q)).min() < -depth:
         link = belly.shapes.pieces[int(np.argmin(low))].link
         raise ModelError(
             f"{link} reaches the floor, {depth:g} m below the top of the rock: the robot does not "
@@ -186,7 +167,7 @@ def roll_off(
     reason = _reason(belly, run, side, shift, ended, [str(v) for v in own.violations])
     return RollOff(
         goal=goal, drive=drive, shift=shift, met=not reason, reason=reason, ended=ended, link=link,
-        over=over, friction=own.peak_friction, landing=_landing(belly, run, depth), trajectory=run,
+        over=over, friction=own.peak_friction, landing=landing(belly, run, depth), trajectory=run,
     )  # fmt: skip
 
 
@@ -282,7 +263,7 @@ def _watch(belly: Belly, depth: float) -> list[Event]:
     base |= set(belly.covered)
 
     def height(at: Snapshot) -> float:
-        return float(_heights(belly, at.dynamics.q).min()) + depth
+        return float(heights(belly, at.dynamics.q).min()) + depth
 
     def room(at: Snapshot) -> float:
         found = clearances(alone, at.dynamics.q[None], at.model.ground)
@@ -307,35 +288,9 @@ def _slide(friction: float) -> Event:
     return Event(left, True, -1, _SLIDE)
 
 
-def _heights(belly: Belly, q: Array) -> Array:
-    """Heights of the pieces over the boulder's top (pieces,) [m]."""
-    own, data = belly.robot.model, belly.robot.model.createData()
-    pin.forwardKinematics(own, data, q)
-    return np.array([
-        float((piece.points @ data.oMi[piece.joint].rotation[2]).min())
-        + data.oMi[piece.joint].translation[2] - piece.radius
-        for piece in belly.shapes.pieces
-    ])  # fmt: skip
-
-
 def _lowest(belly: Belly, run: Trajectory, depth: float) -> str:
-    heights = _heights(belly, run.configuration[-1])
-    return belly.shapes.pieces[int(np.argmin(heights))].link
-
-
-def _landing(belly: Belly, run: Trajectory, depth: float) -> Landing:
-    """Of the last sample of a run."""
-    model, data = belly.robot.model, belly.robot.model.createData()
-    pin.centerOfMass(model, data, run.configuration[-1], run.velocity[-1])
-    speed = float(np.linalg.norm(data.vcom[0]))
-    room = max(0.0, float(_heights(belly, run.configuration[-1]).min()) + depth)
-    turn = pin.Quaternion(run.configuration[-1, 3:7].copy()).toRotationMatrix()
-    ahead, left = run.configuration[-1, :2].tolist()
-    return Landing(
-        ahead, left, float(np.arctan2(turn[1, 0], turn[0, 0])),
-        float(np.arccos(np.clip(turn[2, 2], -1.0, 1.0))), speed, room,
-        float(np.sqrt(speed**2 + 2.0 * run.gravity * room)),
-    )  # fmt: skip
+    lowest = int(np.argmin(heights(belly, run.configuration[-1])))
+    return belly.shapes.pieces[lowest].link
 
 
 def _reason(
