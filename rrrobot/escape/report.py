@@ -13,6 +13,7 @@ NAME is the goal's, as turn_left.
 from __future__ import annotations
 
 import base64
+import io
 from dataclasses import replace
 from html import escape
 from pathlib import Path
@@ -21,11 +22,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.contact.boulder import Boulder
-from rrrobot.contact.shells import FlatBelly
-from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
 from rrrobot.drawing import COLOURS, FONT, line, new_figure, tidy
 from rrrobot.drive.tables import gait_table, write_gait
+from rrrobot.escape.belly_rows import belly_rows
 from rrrobot.escape.confirming import EscapeGait
 from rrrobot.escape.rolling_off import RollOff
 from rrrobot.files import write_whole
@@ -122,7 +121,7 @@ def report_html(found: Unstuck, *, films: bool = True) -> str:
         _summary(found, films=films),
         "<h2>The belly</h2>",
         _picture(_png_of(belly.plot())),
-        html_table("Belly and rest", _belly_rows(found)),
+        html_table("Belly and rest", belly_rows(found)),
     ]
     for goal in found.goals:
         parts.append(f"<h2>{escape(goal.name)}</h2>")
@@ -183,57 +182,6 @@ def share_text(gait: EscapeGait) -> str:
     return f"{100 * share.max():.0f} %" if share.size else "no limit in the file"
 
 
-def _sizes(shell: Surface) -> str:
-    """Radii or half lengths of a shell, in words."""
-    if isinstance(shell, FlatBelly):
-        sides = [f"{2000 * x:.0f} mm" for x in (shell.half_length, shell.half_width) if x]
-        return f", {' by '.join(sides)}" if sides else ""
-    if isinstance(shell, Sphere):
-        return f" of radius {1000 * shell.radius:.0f} mm"
-    if isinstance(shell, Ellipsoid):
-        return f" of semi-axes {', '.join(f'{1000 * a:.0f}' for a in shell.semi_axes)} mm"
-    return ""
-
-
-def _belly_rows(found: Unstuck) -> dict[str, str]:
-    belly = found.belly
-    rest = (
-        "none"
-        if belly.rest is None
-        else ", ".join(f"{x:.2f}" for x in np.round(np.rad2deg(belly.rest), 2) + 0.0)
-    )
-    rows = {
-        "underside": f"{belly.kind}: {belly.form}{_sizes(belly.shell)}",
-        "largest gap of the shell": f"{1000 * belly.error:.1f} mm",
-        "dome to be added": f"{1000 * belly.thickness:.1f} mm",
-        "centre of mass": f"{1000 * belly.height:.0f} mm high, "
-        f"{1000 * belly.margin[0]:.0f} mm (roll) and {1000 * belly.margin[1]:.0f} mm (pitch) "
-        "below the centre of curvature",
-        "rest: roll, pitch, yaw": f"{rest} deg",
-        "rolls to": f"{np.rad2deg(belly.rolling_range.least):.1f} deg",
-        "ground": f"a boulder of radius {belly.ground.radius:g} m"
-        if isinstance(belly.ground, Boulder)
-        else repr(belly.ground),
-    }
-    for mode in belly.modes:
-        if np.isfinite(mode.period) and mode.period < 1e3:
-            rows[f"mode: {mode.axis}"] = f"{mode.period:.3f} s, {2 * np.pi / mode.period:.2f} rad/s"
-    if found.damping is not None:
-        # Of the legs' rates too, if there is any.
-        numbers = [f"{key} {v:.3g}" for key, v in found.damping.items()
-                   if isinstance(v, float) and (v or key != "legs")]  # fmt: skip
-        rows["damping of the rocking (assumed unless given)"] = f"{', '.join(numbers)} N m s/rad"
-    limits = found.limits
-    rows["limits"] = (
-        f"friction {limits.friction:g}, normal force {limits.normal_force:g} of the weight"
-    )
-    if found.unlimited:
-        rows["effort limits that are none"] = ", ".join(found.unlimited)
-    for text in belly.missing:
-        rows["not read"] = text
-    return rows
-
-
 def off_rows(way: RollOff) -> dict[str, str]:
     """What comes of leaning off a rock, in everyday units."""
     rows = {
@@ -268,10 +216,12 @@ def off_rows(way: RollOff) -> dict[str, str]:
 def gait_rows(gait: EscapeGait) -> dict[str, str]:
     """What a gait does, in everyday units."""
     m = gait.measured
+    # Plus zero, so that nothing shows as -0.0.
+    ahead, left = np.round(1000 * gait.travel[:2], 1) + 0.0
+    turn = np.round(np.rad2deg(gait.travel[2]), 1) + 0.0
     rows = {
         gait.goal.name: shown_value(gait),
-        "ahead, to the left, turning": f"{1000 * gait.travel[0]:.1f} mm/s, "
-        f"{1000 * gait.travel[1]:.1f} mm/s, {np.rad2deg(gait.travel[2]):.1f} deg/s",
+        "ahead, to the left, turning": f"{ahead:.1f} mm/s, {left:.1f} mm/s, {turn:.1f} deg/s",
         "period": f"{gait.gait.period:.3f} s",
         "friction needed": f"{m['friction']:.3f}",
         "least normal force": f"{m['normal_force']:.2f} of the weight",
@@ -326,13 +276,19 @@ def gait_figure(gait: EscapeGait) -> Any:
     for i, k in enumerate(most):
         legs.plot(time, swing[:, k], label=run.robot.legs[k], **line(i))
     tidy(legs, "time [s]", "from the mean [deg]")
-    legs.legend(fontsize=FONT - 2, frameon=False)
+    low, high = legs.get_ylim()
+    legs.set_ylim(low, high + 0.35 * (high - low))
+    legs.legend(fontsize=FONT - 2, frameon=False, ncols=2, loc="upper center")
     legs.set_title("joints that swing most", fontsize=FONT)
     return figure
 
 
 def _png_of(axes: Any) -> bytes:
-    return png(np.ravel(np.array(axes, dtype=object))[0].figure)
+    stream = io.BytesIO()
+    # Axes of equal scales leave room above and below.
+    figure = np.ravel(np.array(axes, dtype=object))[0].figure
+    figure.savefig(stream, format="png", dpi=100, bbox_inches="tight")
+    return stream.getvalue()
 
 
 def _picture(data: bytes) -> str:
