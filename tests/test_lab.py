@@ -58,6 +58,11 @@ def shown(browser, name):
     return float(browser.run(f"document.querySelector('.rr-numbers').dataset.{name}"))
 
 
+def refused(browser):
+    """What the panel says of a motion that cannot be."""
+    return browser.run("document.querySelector('.rr-refusal')?.innerText ?? ''")
+
+
 def type_into(browser, label, text):
     """Put text into the field that stands beside a label, as by hand."""
     found = browser.run(
@@ -165,6 +170,29 @@ def test_what_cannot_be_is_said_and_the_last_path_stays(page, lab):
     type_into(page, "frequency [rad/s]", "8")
     wait_until(lambda: page.run("document.querySelector('.rr-refusal')") is None)
     assert shown(page, "speed") == pytest.approx(before, rel=1e-4)
+
+
+def test_a_robot_that_tips_over_is_said_to_and_the_page_lives_on(page, lab):
+    session = latest(lab)
+    before = shown(page, "speed")
+    tab(page, "Robot")
+    type_into(page, "leg mass [g]", "150")
+    type_into(page, "servo mass [g]", "200")
+    type_into(page, "battery [g]", "20")
+    wait_until(lambda: "No settled motion" in refused(page))
+    type_into(page, "slope [deg]", "6")
+    wait_until(lambda: "tips over" in refused(page))
+    assert "last good path is kept" in refused(page)
+    assert shown(page, "speed") == session.outcome.speed
+    for label, value in (
+        ("slope [deg]", "0"), ("leg mass [g]", "57"), ("servo mass [g]", "53"),
+        ("battery [g]", "300"),
+    ):  # fmt: skip
+        type_into(page, label, value)
+    wait_until(lambda: session.settled() and not refused(page))
+    wait_until(lambda: abs(shown(page, "speed") / before - 1) < 1e-4)
+    assert not page.problems
+    tab(page, "Gait")
 
 
 def test_clicking_the_map_selects_the_gait(page, lab):

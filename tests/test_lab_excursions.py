@@ -72,6 +72,7 @@ def test_a_click_on_the_ground_is_where_its_ray_meets_it():
     assert on_ground(eye, (1.0, 0.0, 0.1)) is None
 
 
+@pytest.mark.filterwarnings("ignore::rrrobot.UnsettledWarning")  # of eight seconds
 def test_the_code_and_the_files_are_the_motion(circular, tmp_path):
     knobs = replace(KNOBS, gravity=5.0, overtone=((0.05, 0.0), (0.0, 0.0)))
     space: dict = {}

@@ -147,8 +147,8 @@ class Drawing:
 
 
 def _lifted(points: Array, scene: Scene) -> Array:
-    """Centres of the shell over contact points (n, 2) of a plane (n, 3)."""
-    return np.asarray(points @ scene.basis[:, :2].T + scene.size * scene.normal)
+    """Middles of the robot over contact points (n, 2) of a plane (n, 3)."""
+    return np.asarray(points @ scene.basis[:, :2].T + scene.height * scene.normal)
 
 
 def _away(view: View) -> float:

@@ -14,6 +14,7 @@ from rrrobot.simulation.run import simulate
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.view.films import film_html
 
+_SAVED = "trajectory.npz"
 _FILM = 20.0
 """Of a motion that repeats [s]."""
 FILES: dict[str, tuple[str, Callable[[Outcome], bytes]]]
@@ -31,7 +32,10 @@ def code(given: Robot, knobs: Knobs) -> str:
         import rrrobot as rr
     """
     if given.parameters is None:
-        made = [f"robot = ...  # {given!r}"]
+        made = [
+            "# The page's trajectory, saved beside this script, has the robot in it.",
+            f'robot = rr.Trajectory.load("{_SAVED}").robot',
+        ]
     else:
         robot = knobs.robot(given)
         p = robot.parameters
@@ -88,7 +92,7 @@ def _film(outcome: Outcome) -> bytes:
 
 FILES = {
     "gait (.json)": ("gait.json", _gait),
-    "trajectory (.npz)": ("trajectory.npz", _trajectory),
+    "trajectory (.npz)": (_SAVED, _trajectory),
     "film (.html)": ("film.html", _film),
 }
 """Label of the button -> name of the file, and what is in it."""

@@ -26,8 +26,10 @@ _UNITS = {
 """Label, factor, and range around the paper's values."""
 _DEG = 180 / math.pi
 _FREE = "choose a preset"
-_STRAIGHT = 1e-3
-"""Curvature of a circle of a kilometre [1/m]."""
+_FEW = 4
+"""Legs whose sliders are all open at first."""
+_STRAIGHT = 0.02
+"""Curvature of a circle of fifty metres [1/m]."""
 
 
 class Panel:
@@ -55,16 +57,20 @@ class Panel:
     def gait_tab(self) -> None:
         """Presets, and each leg's sliders."""
         gui, legs = self.gui, self.robot.legs
-        self._preset = gui.add_dropdown("preset", (_FREE, *presets(self.robot)))
+        if self.robot.parameters is None:
+            self._keep("as opened", self.knobs)
+        self._preset = gui.add_dropdown("preset", (_FREE, *presets(self.robot), *self._offered))
         self._preset.on_update(self._choose)
         if len(legs) > 1:
             self.tied = gui.add_checkbox(
-                "legs tied", True, hint="Offset and amplitude of all legs move together."
+                "legs tied",
+                _alike(self.knobs),
+                hint="Offset and amplitude of all legs move together.",
             )
             self.tied.on_update(lambda event: self._tie())
         self._slider("frequency [rad/s]", "frequency", None, 1.0, 0.5, 20.0, 0.05)
         for k, leg in enumerate(legs):
-            with gui.add_folder(leg):
+            with gui.add_folder(leg, expand_by_default=len(legs) <= _FEW):
                 pair = (
                     self._slider("offset [deg]", "offset", k, _DEG, -180.0, 180.0, 0.1),
                     self._slider("amplitude [deg]", "amplitude", k, _DEG, 0.0, 90.0, 0.1),
@@ -114,16 +120,19 @@ class Panel:
 
     def offer(self, name: str, knobs: Knobs) -> None:
         """One more preset, and bring all sliders there."""
-        entries = ("offset", "amplitude", "phase", "frequency")
-        self._offered[name] = {entry: getattr(knobs, entry) for entry in entries}
+        self._keep(name, knobs)
         self._preset.options = (_FREE, *presets(self.robot), *self._offered)
         self._preset.value = name
         self._untie(knobs)
         self.show(knobs)
 
+    def _keep(self, name: str, knobs: Knobs) -> None:
+        entries = ("offset", "amplitude", "phase", "frequency")
+        self._offered[name] = {entry: getattr(knobs, entry) for entry in entries}
+
     def _untie(self, knobs: Knobs) -> None:
         """Untie the legs if these knobs have them differ."""
-        if self.robot.n_legs > 1 and (len(set(knobs.offset)) > 1 or len(set(knobs.amplitude)) > 1):
+        if self.robot.n_legs > 1 and not _alike(knobs):
             self.tied.value = False
             self._tie()
 
@@ -243,21 +252,24 @@ def _data(outcome: Outcome) -> dict[str, float]:
 
 def _rows(outcome: Outcome) -> dict[str, str]:
     mean = "" if outcome.settled else " (mean)"
-    curvature = outcome.curvature
+    curvature, torque = outcome.curvature, outcome.torque
+    turns = abs(curvature) >= _STRAIGHT
     if math.isinf(curvature):
         turning = "on the spot"
-    elif abs(curvature) < _STRAIGHT:
+    elif not turns:
         turning = "straight"
     else:
-        turning = f"{curvature:.4g} /m, radius {1e3 / abs(curvature):.4g} mm"
+        radius = 1 / abs(curvature)
+        wide = f"{radius:.4g} m" if radius >= 1 else f"{1e3 * radius:.4g} mm"
+        turning = f"{curvature:.4g} /m, radius {wide}"
     slips = ", <i>slips</i>" if outcome.friction > outcome.knobs.friction else ""
     rows = {
         f"speed{mean}": f"{1e3 * outcome.speed:.4g} mm/s",
-        f"yaw rate{mean}": f"{_DEG * outcome.yaw_rate:.4g} °/s",
+        f"yaw rate{mean}": f"{_DEG * outcome.yaw_rate if turns else 0.0:.4g} °/s",
         "curvature": turning,
         "friction needed": f"{outcome.friction:.3g} of {outcome.knobs.friction:.3g}{slips}",
         "least normal force": f"{outcome.normal_force:.3g} N",
-        "peak torque": f"{1e3 * outcome.torque:.3g} mN m",
+        "peak torque": f"{torque:.3g} N m" if torque >= 1 else f"{1e3 * torque:.3g} mN m",
     }
     if outcome.cycle is not None and outcome.multipliers.size:
         largest = abs(outcome.multipliers[0])
@@ -269,6 +281,11 @@ def _rows(outcome: Outcome) -> dict[str, str]:
     else:
         rows["stability"] = "-" if outcome.settled else "not settled"
     return rows
+
+
+def _alike(knobs: Knobs) -> bool:
+    """Whether all legs have the same offset and the same amplitude."""
+    return len(set(knobs.offset)) <= 1 and len(set(knobs.amplitude)) <= 1
 
 
 def _entry(value: Any, at: Any) -> float:

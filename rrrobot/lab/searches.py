@@ -9,6 +9,7 @@ from typing import Any, Protocol
 
 import numpy as np
 
+from rrrobot.belly.found import Belly
 from rrrobot.drive.gaits import SinusoidalGait
 from rrrobot.errors import RRRobotError
 from rrrobot.escape.confirming import EscapeGait
@@ -38,6 +39,7 @@ class Desk(Protocol):
     """What the tab needs of a session."""
 
     robot: Robot
+    belly: Belly | None
     knobs: Knobs
 
     def ask(self, job: Callable[[], Outcome]) -> None:
@@ -91,11 +93,11 @@ def best_gait(given: Robot, knobs: Knobs, goal: str, tell: Tell) -> tuple[Knobs,
     return found, words
 
 
-def way_free(given: Robot, goal: str, tell: Tell) -> Unstuck:
+def way_free(given: Robot | Belly, goal: str, tell: Tell) -> Unstuck:
     """Gaits that get the robot, lying on its belly on level ground, to go somewhere.
 
     Args:
-        given: the robot; its own shell is the belly where it has no meshes.
+        given: the robot, whose own shell is the belly where it has no meshes; or its fitted belly.
         goal: one of `WAYS`.
         tell: told of what is done, and of how much.
 
@@ -156,7 +158,7 @@ class Searches:
         desk.say(words)
 
     def _free(self, way: str, tell: Tell) -> None:
-        found = way_free(self._desk.robot, way, tell)
+        found = way_free(self._desk.belly or self._desk.robot, way, tell)
         self._ways[way] = found.best(way)
         self._found.options = tuple(self._ways)
         self._found.value = way

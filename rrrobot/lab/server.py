@@ -10,13 +10,17 @@ import threading
 import webbrowser
 from typing import Any
 
+from rrrobot.belly.found import Belly
 from rrrobot.errors import MissingExtraError, ModelError, OutputError, ParameterError
+from rrrobot.lab.bellies import begin, check_belly
 from rrrobot.lab.knobs import Knobs
 from rrrobot.lab.outcome import Outcome, Refusal, settle
 from rrrobot.lab.session import Session
 from rrrobot.robot.robot import Robot
 
 LOOPBACK = "127.0.0.1"
+_PATIENCE = 20.0
+"""For which a page waits for a gait in which the legs of a fitted belly are clear [s]."""
 
 
 class Laboratory:
@@ -24,15 +28,20 @@ class Laboratory:
 
     Attributes:
         robot: the robot.
+        belly: its fitted belly, if it was opened with one.
         url: address of the page; only this computer can open it.
         sessions: one for each open page, by viser's number of it.
     """
 
-    def __init__(self, robot: Robot, *, port: int | None = None) -> None:
+    def __init__(self, robot: Robot | Belly, *, port: int | None = None) -> None:
+        belly = robot if isinstance(robot, Belly) else None
+        if isinstance(robot, Belly):
+            check_belly(robot)
+            robot = robot.robot
         if not isinstance(robot, Robot):
             raise ModelError(
                 f"robot is {type(robot).__name__}: it must be a Robot, such as "
-                "Robot.from_parameters()."
+                "Robot.from_parameters(), or what fit_belly finds."
             )
         if not robot.n_legs:
             raise ModelError(
@@ -45,7 +54,9 @@ class Laboratory:
             raise MissingExtraError(
                 "the laboratory needs viser: pip install 'rrrobot[lab]', or pip install viser."
             )
-        self.robot = robot
+        # RRRobot's belly is its shell, which the sliders change.
+        self.belly = None if robot.parameters is not None else belly
+        self.robot, self._knobs = robot, Knobs.of(robot)
         self.sessions: dict[int, Session] = {}
         self._lock = threading.Lock()
         self._first: Outcome | None = None
@@ -73,11 +84,16 @@ class Laboratory:
         threading.Event().wait()
 
     def _warm_up(self) -> None:
+        if self.belly is not None:
+            self._knobs, self._first = begin(self.belly)
+            return
         with contextlib.suppress(Refusal):
-            self._first = settle(self.robot, Knobs.of(self.robot))
+            self._first = settle(self.robot, self._knobs)
 
     def _opened(self, client: Any) -> None:
-        session = Session(client, self.robot, Knobs.of(self.robot), self.url, self._first)
+        if self.belly is not None:
+            self._warm.join(_PATIENCE)
+        session = Session(client, self.robot, self._knobs, self.url, self._first, self.belly)
         with self._lock:
             self.sessions[client.client_id] = session
 
@@ -103,7 +119,9 @@ class Laboratory:
         return f"Laboratory({self.robot.name!r}, url={self.url!r})"
 
 
-def laboratory(robot: Robot, *, port: int | None = None, open_browser: bool = False) -> Laboratory:
+def laboratory(
+    robot: Robot | Belly, *, port: int | None = None, open_browser: bool = False
+) -> Laboratory:
     """Open the laboratory: a page on which a gait is under your hands.
 
     Every move of a slider redraws the whole settled path, and the robot rolls along it. The page is
@@ -111,7 +129,8 @@ def laboratory(robot: Robot, *, port: int | None = None, open_browser: bool = Fa
     closed or the script ends. As the last line of a notebook's cell it shows inline.
 
     Args:
-        robot: any robot with legs.
+        robot: any robot with legs; or its `Belly` as `fit_belly` finds it, on which the page has
+            it rest, with its legs clear of the ground, and says what they run into.
         port: of the page; any free one if None.
         open_browser: whether to open the page in the default browser.
 
@@ -119,7 +138,7 @@ def laboratory(robot: Robot, *, port: int | None = None, open_browser: bool = Fa
         MissingExtraError: viser is not installed (extra `lab`).
         OutputError: the port is taken.
         ParameterError: the port is out of range.
-        ModelError: the robot has no legs.
+        ModelError: the robot has no legs; a belly that was fitted on other than level ground.
 
     Example:
         >>> import rrrobot as rr

@@ -5,10 +5,13 @@ from __future__ import annotations
 import threading
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
+from rrrobot.belly.found import Belly
 from rrrobot.checks import Array
 from rrrobot.lab.atlas import Atlas
+from rrrobot.lab.bellies import collisions
 from rrrobot.lab.charts import Charts
 from rrrobot.lab.drawing import Drawing
 from rrrobot.lab.ghosts import Ghosts
@@ -35,6 +38,7 @@ class Session:
         knobs: where the sliders stand at first.
         url: of the page.
         near: a motion of knobs nearby, from which the first search starts.
+        belly: of the robot, if it was fitted: what its limbs run into is said.
 
     Attributes:
         knobs: where they stand.
@@ -45,9 +49,15 @@ class Session:
     """
 
     def __init__(
-        self, client: Any, robot: Robot, knobs: Knobs, url: str, near: Outcome | None = None
+        self,
+        client: Any,
+        robot: Robot,
+        knobs: Knobs,
+        url: str,
+        near: Outcome | None = None,
+        belly: Belly | None = None,
     ) -> None:
-        self.client, self.robot, self.knobs = client, robot, knobs
+        self.client, self.robot, self.knobs, self.belly = client, robot, knobs, belly
         self.outcome: Outcome | None = None
         self._last: Outcome | None = None
         self._near, self._url = near, url
@@ -184,6 +194,7 @@ class Session:
                 self._running = job
             self._answer(job, asked)
             if self._wanted[0] is job:
+                self._judge()
                 for words in self._ghosts.show(
                     self.robot, None if self.refusal is not None else self.knobs
                 ):
@@ -228,6 +239,15 @@ class Session:
         if first:
             self.drawing.show_switches()
             self.drawing.look()
+
+    def _judge(self) -> None:
+        """Say what the limbs run into."""
+        now = self.outcome
+        if self.belly is not None and now is not None and self.refusal is None:
+            said = collisions(self.belly, now)
+            if said:
+                self.outcome = replace(now, words=(*said, *now.words))
+                self._numbers.content = numbers(self.outcome, None)
 
     def _refuse(self, words: str) -> None:
         """Say why there is no motion; the last good one stays."""

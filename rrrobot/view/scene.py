@@ -38,8 +38,10 @@ from rrrobot.view.commands import (
     sun,
 )
 from rrrobot.view.player import Figure
-from rrrobot.view.shapes import Visual, robot_visuals, shell_size, shell_visuals
+from rrrobot.view.shapes import robot_visuals
+from rrrobot.view.shells import cap_of, shell_size, shell_visuals
 from rrrobot.view.terrain import lay, surface
+from rrrobot.view.visual import Visual
 
 _CAMERA_FROM = (-0.48, -0.78, 0.40)  # along the way, to its left, up
 _SUN_FROM = (0.35, -0.40, 0.90)  # towards the camera, right, up
@@ -54,7 +56,7 @@ class Pose(NamedTuple):
 
     Attributes:
         joints: placement of each joint that carries a visual.
-        center: of the shell in the world (3,) [m].
+        center: of the shell in the world (3,) [m]; of the base, if only a part of it is drawn.
         contact: contact point in the ground plane (2,) [m].
     """
 
@@ -90,6 +92,7 @@ class Scene:
             robot in all poses that `hold` was told of [m].
         spacing: of the grid's lines, as the last `stage` has set it [m].
         detail: of the trace: its points may be this far from each other [m].
+        height: of the robot's middle over the ground at rest [m].
         ground: what it stands on.
         normal: of the ground at the origin of its coordinates (3,).
         basis: columns span the plane that touches the ground at the origin, and its normal (3, 3).
@@ -114,9 +117,13 @@ class Scene:
         self.visuals = robot_visuals(robot)
         self.joints = sorted({1, *(visual.joint for visual in self.visuals)})
         self.data = robot.model.createData()
-        self.size = shell_size(robot)
+        cap = cap_of(robot, self.visuals)
+        self.size = shell_size(robot) if cap is None else cap.reach / _AXIS
+        self._middle = robot.shell_placement if cap is None else pin.SE3.Identity()
         self.reach = _AXIS * self.size
-        self.hold([self.rest()])
+        rest = self.rest()
+        self.height = float((rest.center - self._origin) @ self.normal)
+        self.hold([rest])
         self.detail = 0.02 * self.size
         self.spacing = _round_number(0.8 * self.size)
 
@@ -125,7 +132,8 @@ class Scene:
         pin.forwardKinematics(self.robot.model, self.data, configuration)
         joints = {joint: pin.SE3(self.data.oMi[joint]) for joint in self.joints}
         shell = joints[1] * self.robot.shell_placement
-        return Pose(joints, shell.translation, self._contact(shell))
+        middle = joints[1].act(self._middle.translation)
+        return Pose(joints, middle, self._contact(shell))
 
     def _contact(self, shell: pin.SE3) -> Array:
         """Coordinates of the contact of a shell at a placement (2,) [m]."""
@@ -195,7 +203,7 @@ class Scene:
         length = _AXIS * self.size
         world, body = self.axes_paths
         commands = arrows(world, 0.8 * length, pin.SE3.Identity())
-        commands += arrows(body, length, self.robot.shell_placement)
+        commands += arrows(body, length, self._middle)
         return commands + [set_property(path, "visible", visible) for path in (world, body)]
 
     def path(self, joint: int) -> str:

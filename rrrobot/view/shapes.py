@@ -2,8 +2,7 @@
 
 Each visual is placed in the frame of the Pinocchio joint that carries it, on the robot's own
 model, so that joints held still stay where they are held. A shell that the URDF does not draw is
-drawn from its support function: translucent, with three bands that show its rotation. Legs that it
-does not draw are sticks.
+drawn by `shells`. Legs that it does not draw are sticks.
 """
 
 from __future__ import annotations
@@ -12,53 +11,24 @@ import math
 import warnings
 import xml.etree.ElementTree as ET
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
-from rrrobot.checks import Array
-from rrrobot.contact.shells import FlatBelly
-from rrrobot.contact.surfaces import Sphere, Surface
+from rrrobot.contact.surfaces import Sphere
 from rrrobot.robot.meshes import MeshError, find_mesh, numbers, origin_of, read_mesh, short
 from rrrobot.robot.reader import parse_urdf
 from rrrobot.robot.robot import Robot
 from rrrobot.view.commands import Colour, Geometry, mesh
 from rrrobot.view.player import Figure
+from rrrobot.view.shells import around, cap_of, directions, lattice, shell_size, shell_visuals
+from rrrobot.view.visual import Visual
 
-BAND_COLOURS: tuple[Colour, ...] = ((0.84, 0.37, 0.0), (0.0, 0.45, 0.7), (0.25, 0.25, 0.25))
-SHELL_COLOUR: Colour = (0.93, 0.91, 0.86, 0.4)
-_THIN, _WIDE = 2e-3, 0.2
-"""Thickness of a flat belly's plate, and its half length where it has none [m]."""
 _STICK_COLOUR: Colour = (0.35, 0.42, 0.50)
 _DEFAULT_COLOUR: Colour = (0.72, 0.74, 0.77, 1.0)
 
 # three.js has a cylinder's axis along y, URDF along z.
 _Y_TO_Z = pin.SE3(pin.rpy.rpyToMatrix(math.pi / 2, 0, 0), np.zeros(3))
-
-
-class Visual(NamedTuple):
-    """A coloured shape that moves with a joint.
-
-    Attributes:
-        name: of its link.
-        joint: index of the joint in the robot's Pinocchio model.
-        placement: in the joint's frame.
-        geometry: three.js geometry.
-        colour: red, green, blue and maybe opacity, 0..1.
-        reach: distance of its farthest point from the placement's origin [m].
-        flat: whether each triangle is shaded by itself, as the edges of a mesh demand.
-        shell: whether it is of the URDF's link that draws the shell itself.
-    """
-
-    name: str
-    joint: int
-    placement: pin.SE3
-    geometry: Geometry
-    colour: Colour
-    reach: float
-    flat: bool = False
-    shell: bool = False
 
 
 def robot_visuals(robot: Robot | Figure) -> list[Visual]:
@@ -106,20 +76,8 @@ def robot_visuals(robot: Robot | Figure) -> list[Visual]:
         visuals += _sticks(robot, tree, {visual.name for visual in visuals})
     shown = isinstance(robot, Robot) or robot.shows_shell
     if shown and not any(visual.shell for visual in visuals):
-        visuals += shell_visuals(robot)
+        visuals += shell_visuals(robot, cap_of(robot, visuals))
     return visuals
-
-
-def shell_size(robot: Robot | Figure) -> float:
-    """The shell's largest half-width along its axes [m]."""
-    if isinstance(robot.shell, FlatBelly):
-        return max(_plate(robot.shell))
-    return max(robot.shell.support(u) for u in np.vstack((np.eye(3), -np.eye(3))))
-
-
-def _plate(belly: FlatBelly) -> tuple[float, float]:
-    """Half lengths of a flat belly that are shown [m]."""
-    return belly.half_length or _WIDE, belly.half_width or _WIDE
 
 
 def _sticks(robot: Robot, tree: ET.Element, drawn: set[str]) -> list[Visual]:
@@ -158,24 +116,6 @@ def _sticks(robot: Robot, tree: ET.Element, drawn: set[str]) -> list[Visual]:
             at = frame.placement * pin.SE3(np.eye(3), end)
             sticks.append(Visual(name, frame.parentJoint, at, _ball(2 * r), _STICK_COLOUR, 2 * r))
     return sticks
-
-
-def shell_visuals(robot: Robot | Figure) -> list[Visual]:
-    """A translucent shell with a band around each of its three axes; of a flat belly, a plate."""
-    place, shell = robot.shell_placement, robot.shell
-    if isinstance(shell, FlatBelly):
-        x, y = _plate(shell)
-        plate = {"type": "BoxGeometry", "width": 2 * x, "height": 2 * y, "depth": _THIN}
-        return [Visual("shell", 1, place, plate, SHELL_COLOUR, math.hypot(x, y))]
-    latitude, longitude = np.linspace(-math.pi / 2, math.pi / 2, 33), _turn(64)
-    reach = max(float(np.linalg.norm(shell.contact(u))) for u in np.vstack((np.eye(3), -np.eye(3))))
-    body = _round_mesh(shell, latitude, longitude, np.eye(3))
-    visuals = [Visual("shell", 1, place, body, SHELL_COLOUR, reach)]
-    for i, colour in enumerate(BAND_COLOURS):
-        axes = np.roll(np.eye(3), 2 - i, axis=1)  # the i-th is the last
-        band = _round_mesh(shell, np.array((-0.05, 0.0, 0.05)), longitude, axes, 1.004 + 0.002 * i)
-        visuals.append(Visual(f"band_{'xyz'[i]}", 1, place, band, colour, reach))
-    return visuals
 
 
 _Shape = tuple[Geometry, float, pin.SE3, bool]
@@ -243,10 +183,10 @@ def _rod(radius: float, length: float) -> Geometry:
 def _capsule(radius: float, length: float) -> Geometry:
     half = np.linspace(0, math.pi / 2, 9)
     latitude = np.concatenate((-half[::-1], half))
-    points = radius * _directions(latitude, _turn(32))
+    points = radius * directions(latitude, around(32))
     points[:9, :, 2] -= length / 2
     points[9:, :, 2] += length / 2
-    return _lattice(points)
+    return lattice(points)
 
 
 def _mesh_file(shape: ET.Element, package_dirs: tuple[str, ...], meshes: _Meshes) -> _Shape:
@@ -283,32 +223,3 @@ def _is_shell(visual: Visual, robot: Robot | Figure) -> bool:
     r = robot.shell.radius
     offset = np.linalg.norm(visual.placement.translation - robot.shell_placement.translation)
     return visual.joint == 1 and abs(visual.reach - r) < 0.02 * r and bool(offset < 0.02 * r)
-
-
-def _turn(count: int) -> Array:
-    return np.linspace(0, 2 * math.pi, count + 1)
-
-
-def _directions(latitude: Array, longitude: Array) -> Array:
-    """Unit vectors (latitudes, longitudes, 3) about z."""
-    up, round_ = np.meshgrid(latitude, longitude, indexing="ij")
-    flat = np.cos(up)
-    return np.stack((flat * np.cos(round_), flat * np.sin(round_), np.sin(up)), axis=-1)
-
-
-def _round_mesh(
-    shell: Surface, latitude: Array, longitude: Array, axes: Array, scale: float = 1.0
-) -> Geometry:
-    """Part of a shell: its points whose normals are directions about the third of the axes."""
-    normals = _directions(latitude, longitude) @ axes.T
-    points = np.array([[shell.contact(u) for u in row] for row in normals])
-    return _lattice(scale * points)
-
-
-def _lattice(points: Array) -> Geometry:
-    """Triangles between neighbours of a lattice of points (m, n, 3)."""
-    m, n, _ = points.shape
-    corner = (np.arange(m - 1)[:, None] * n + np.arange(n - 1)).ravel()
-    a, b, c, d = corner, corner + 1, corner + n + 1, corner + n
-    faces = np.concatenate((np.stack((a, b, c), axis=1), np.stack((a, c, d), axis=1)))
-    return mesh(points.reshape(-1, 3), faces)
