@@ -12,6 +12,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from rrrobot.checks import Array
 
+_UPRIGHT = 0.7072
+"""Vertical part of a body's axis from which on it leans by less than an eighth of a turn."""
+
 
 def skew(a: Array) -> Array:
     """Matrix [a] with [a] b = a x b, shape (3, 3)."""
@@ -167,6 +170,14 @@ def turns_over(up: Array, turn: ArrayLike) -> NDArray[np.bool_]:
     Returns:
         booleans (...).
     """
+    # Within an eighth of a turn about upright nothing turns over.
+    out = np.asarray(~(up[..., 2].min(axis=-1) > _UPRIGHT))
+    if out.any():
+        out[out] = _turns_over(up[out], np.broadcast_to(turn, out.shape)[out])
+    return out
+
+
+def _turns_over(up: Array, turn: Array) -> NDArray[np.bool_]:
     roll = np.arctan2(up[..., 1], up[..., 2])
     leaps = np.diff(roll, axis=-1, append=roll[..., :1])
     leaps -= 2 * np.pi * np.round(leaps / (2 * np.pi))

@@ -13,7 +13,7 @@ They are what `pin.crba` holds: with B = M[:6, :6], mc = (-B[2,4], -B[0,5], -B[1
 
 What a body adds that turns on the base and carries no other is a sum of second harmonics of its
 joint's angle a, times a's rate in p_rel and L_rel: five factors of 1, cos a, sin a, cos 2a, sin 2a
-for each number, taken once from sixteen angles.
+for each number, taken once from sixteen angles. Those that are not zero are added four at a time.
 """
 
 from __future__ import annotations
@@ -34,6 +34,7 @@ LANES = 16
 N_COEFFICIENTS = 15
 _MOVING = 9
 """Where the numbers begin that are proportional to the joints' rates."""
+_WAVES = 9
 N_PLACEMENT = 18
 """Numbers that place a body: rotation (9), position, angular velocity and velocity (3 each)."""
 
@@ -59,40 +60,67 @@ def coefficients(robot: Robot, leg_angle: Array, leg_rate: Array) -> Array:
 
 
 class LaneWork(NamedTuple):
-    """Room for LANES leg states of a tree."""
+    """Room for some rows of LANES leg states of a tree each."""
 
     angle: Array
-    """(legs, LANES) [rad or m]"""
+    """(legs, rows LANES) [rad or m]"""
     rate: Array
-    """(legs, LANES) [rad/s or m/s]"""
+    """(legs, rows LANES) [rad/s or m/s]"""
     bodies: Array
     """placement of each body, then one joint's motion (n + 1, N_PLACEMENT LANES)"""
     base: Array
     """the part of the coefficients that is the same for all (15 LANES,)"""
     swinging: NDArray[np.bool_]
     """whether a body turns on the base and carries no other (n,)"""
-    swings: Array
-    """its factors of (1, cos, sin, cos 2, sin 2) of its joint's angle (n, 15, 5)"""
+    waves: Array
+    """of each such body cos, sin, cos 2 and sin 2 of its joint's angle, its rate, and these times
+    its rate (9 n, rows LANES)"""
+    first: NDArray[np.int64]
+    """where in the following those of each of the fifteen numbers begin, and the last end (16,)"""
+    term: NDArray[np.int64]
+    """which four rows of the waves are added (m, 4)"""
+    weight: Array
+    """their factors (m, 4)"""
 
 
-def lane_work(tree: Tree) -> LaneWork:
-    """Room for LANES leg states of a tree, with what the base contributes."""
+def lane_work(tree: Tree, rows: int = 1) -> LaneWork:
+    """Room for rows of LANES leg states of a tree, with what the base contributes."""
     legs, n = int(tree.leg.max(initial=-1)) + 1, tree.mass.size
-    bodies = np.zeros((n + 1, N_PLACEMENT, LANES))
-    bodies[0, :9], bodies[0, 9:12] = tree.rotation[0].reshape(9, 1), tree.translation[0][:, None]
+    places = np.zeros((n + 1, N_PLACEMENT, LANES))
+    places[0, :9], places[0, 9:12] = tree.rotation[0].reshape(9, 1), tree.translation[0][:, None]
     turns = (tree.parent == 0) & ~tree.prismatic & ~np.isin(np.arange(n), tree.parent[1:])
     turns[0] = False
-    work = LaneWork(
-        np.zeros((legs, LANES)), np.zeros((legs, LANES)), bodies.reshape(n + 1, -1),
-        np.zeros(N_COEFFICIENTS * LANES), turns, np.zeros((n, N_COEFFICIENTS, 5)),
-    )  # fmt: skip
-    _add_body(tree, 0, work.bodies, work.base)
+    bodies, base = places.reshape(n + 1, -1), np.zeros(N_COEFFICIENTS * LANES)
+    _add_body(tree, 0, bodies, base)
+    swings = np.zeros((N_COEFFICIENTS, n, _WAVES))
     for i in np.flatnonzero(turns):
-        factors = _swing_of(tree, int(i), work.bodies)
-        work.base[: _MOVING * LANES] += np.repeat(factors[:_MOVING, 0], LANES)
-        factors[:_MOVING, 0] = 0.0
-        work.swings[i] = factors
-    return work
+        factors = _swing_of(tree, int(i), bodies)
+        base[: _MOVING * LANES] += np.repeat(factors[:_MOVING, 0], LANES)
+        swings[:_MOVING, i, :4] = factors[:_MOVING, 1:]
+        swings[_MOVING:, i, 4:] = factors[_MOVING:]
+    width = rows * LANES
+    return LaneWork(
+        np.zeros((legs, width)), np.zeros((legs, width)), bodies, base, turns,
+        np.zeros((_WAVES * n, width)), *_in_fours(swings.reshape(N_COEFFICIENTS, -1)),
+    )  # fmt: skip
+
+
+def _in_fours(factors: Array) -> tuple[NDArray[np.int64], NDArray[np.int64], Array]:
+    """Terms that are not zero of rows (15, terms), as `LaneWork` has them."""
+    first, term, weight = [0], [], []
+    for row in factors:
+        used = np.flatnonzero(row)
+        for k in range(0, used.size, 4):
+            # What fills four up has weight zero.
+            some = np.resize(used[k : k + 4], 4)
+            term.append(some)
+            weight.append(np.where(np.arange(4) < used.size - k, row[some], 0.0))
+        first.append(len(term))
+    shape = (len(term), 4)
+    return (
+        np.array(first, dtype=np.int64), np.array(term, dtype=np.int64).reshape(shape),
+        np.array(weight, dtype=float).reshape(shape),
+    )  # fmt: skip
 
 
 def _swing_of(tree: Tree, i: int, bodies: Array) -> Array:
@@ -134,50 +162,74 @@ def _fill(tree, angle, rate, work, row, out):  # type: ignore[no-untyped-def]
 
 @inner
 def fill_lanes(tree, work, table, at):  # type: ignore[no-untyped-def]
-    """Coefficients of LANES leg states side by side; nothing in one depends on another.
+    """Coefficients of rows of LANES leg states side by side; nothing in one depends on another.
 
     Args:
         tree: the robot.
         work: see `LaneWork`; angle and rate are given.
-        table: entry c of lane i goes to [at, c LANES + i].
+        table: entry c of lane i in row r goes to [at + r, c LANES + i].
     """
-    out = table[at]
-    for e in range(N_COEFFICIENTS * LANES):
-        out[e] = work.base[e]
     for i in range(1, tree.mass.size):
         if work.swinging[i]:
             leg = tree.leg[i]
-            _add_swing(
-                work.swings[i], tree.ratio[i], tree.shift[i], work.angle[leg], work.rate[leg],
-                work.bodies[tree.mass.size], out,
-            )  # fmt: skip
-            continue
-        move_lanes(tree, i, work.angle[tree.leg[i]], work.rate[tree.leg[i]], work.bodies)
-        _add_body(tree, i, work.bodies, out)
+            _turn(tree.ratio[i], tree.shift[i], work.angle[leg], work.rate[leg], work.waves, i)
+    _add_waves(work.base, work.first, work.term, work.weight, work.waves, table, at)
+    # Bodies that carry others, or slide, come after; swinging ones carry none.
+    for r in range(work.angle.shape[1] // LANES):
+        here, out = slice(r * LANES, (r + 1) * LANES), table[at + r]
+        for i in range(1, tree.mass.size):
+            leg = tree.leg[i]
+            if not work.swinging[i]:
+                move_lanes(tree, i, work.angle[leg][here], work.rate[leg][here], work.bodies)
+                _add_body(tree, i, work.bodies, out)
 
 
 @lanes
-def _add_swing(f, ratio, shift, angle, rate, wave, out):  # type: ignore[no-untyped-def]
-    """Add what a body adds that turns on the base, in every lane."""
-    for k in range(LANES):
-        wave[LANES + k], wave[k] = sine_cosine(ratio * angle[k] + shift)
-    for k in range(LANES):
-        c, s = wave[k], wave[LANES + k]
-        wave[2 * LANES + k], wave[3 * LANES + k] = c * c - s * s, 2.0 * s * c
-        wave[4 * LANES + k] = ratio * rate[k]
+def _turn(ratio, shift, angle, rate, waves, i):  # type: ignore[no-untyped-def]
+    """Waves of body i that turns on the base, in every lane."""
+    first = _WAVES * i
+    cosine, sine, cosine2, sine2 = (
+        waves[first],
+        waves[first + 1],
+        waves[first + 2],
+        waves[first + 3],
+    )
+    turning, cosine_t, sine_t, cosine2_t, sine2_t = (
+        waves[first + 4], waves[first + 5], waves[first + 6], waves[first + 7], waves[first + 8],
+    )  # fmt: skip
+    for k in range(len(angle)):
+        s, c = sine_cosine(ratio * angle[k] + shift)
+        s2, c2, w = 2.0 * s * c, c * c - s * s, ratio * rate[k]
+        cosine[k], sine[k], cosine2[k], sine2[k] = c, s, c2, s2
+        turning[k], cosine_t[k], sine_t[k], cosine2_t[k], sine2_t[k] = (
+            w,
+            w * c,
+            w * s,
+            w * c2,
+            w * s2,
+        )
+
+
+@lanes
+def _add_waves(base, first, term, weight, waves, table, at):  # type: ignore[no-untyped-def]
+    """What is the same for all, and what all bodies add that turn on the base, in every lane."""
+    # Of a number of lanes that the compiler is not told, it makes vector code; else it unrolls all.
+    lanes = len(base) // N_COEFFICIENTS
+    rows = waves.shape[1] // lanes
     for n in range(N_COEFFICIENTS):
-        still, f1, f2, f3, f4 = f[n, 0], f[n, 1], f[n, 2], f[n, 3], f[n, 4]
-        if n < _MOVING:
-            for k in range(LANES):
-                out[n * LANES + k] += (f1 * wave[k] + f2 * wave[LANES + k]) + (
-                    f3 * wave[2 * LANES + k] + f4 * wave[3 * LANES + k]
-                )
-        else:
-            for k in range(LANES):
-                out[n * LANES + k] += wave[4 * LANES + k] * (
-                    (still + f1 * wave[k] + f2 * wave[LANES + k])
-                    + (f3 * wave[2 * LANES + k] + f4 * wave[3 * LANES + k])
-                )
+        if first[n] == first[n + 1]:
+            for r in range(rows):
+                for k in range(lanes):
+                    table[at + r, n * LANES + k] = base[n * LANES + k]
+        for m in range(first[n], first[n + 1]):
+            a, b, c, d = waves[term[m, 0]], waves[term[m, 1]], waves[term[m, 2]], waves[term[m, 3]]
+            e, f, g, h = weight[m, 0], weight[m, 1], weight[m, 2], weight[m, 3]
+            for r in range(rows):
+                out, here = table[at + r], r * LANES
+                before = base if m == first[n] else out
+                for k in range(lanes):
+                    sums = (e * a[here + k] + f * b[here + k]) + (g * c[here + k] + h * d[here + k])
+                    out[n * LANES + k] = before[n * LANES + k] + sums
 
 
 @compiled()

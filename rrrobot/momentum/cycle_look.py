@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from rrrobot.momentum.charts import put, take
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import inner
 from rrrobot.momentum.kernels import (
@@ -16,12 +17,13 @@ from rrrobot.momentum.kernels import (
     VERTICAL,
     step,
 )
-from rrrobot.momentum.newton import TOLERANCE, put, take
+from rrrobot.momentum.newton import TOLERANCE
 from rrrobot.momentum.normal import contact_motion, least_sum, push
 from rrrobot.momentum.rolling import evaluate_lanes
 from rrrobot.momentum.summary import (
     N_RESULT,
     angles,
+    between,
     harmonic,
     least,
     lift,
@@ -36,12 +38,12 @@ NO_ORBIT = 7
 
 @inner
 def look(chart, axis, terrain, first, work, motion):  # type: ignore[no-untyped-def]
-    """One period from x with heading and place: fills angles, lift, push, tilt, areas, motion, the
-    end state, and F in `new`."""
+    """One period from the trial with heading and place: fills angles, lift, push, tilt, areas,
+    motion, the end state, and its image."""
     s = work.search
     table, h, par, slopes = work.tables[2], work.h[2], work.parameters, work.slopes
     y, before, total, other = work.state[0], work.state[1], work.state[2], work.state[3]
-    put(chart, s.x, s.scale, y, True)
+    put(chart, s.trial, s.scale, y, True)
     for e in range(3 * LANES):
         work.areas[e] = 0.0
     for n in range(len(work.lift)):
@@ -68,16 +70,29 @@ def look(chart, axis, terrain, first, work, motion):  # type: ignore[no-untyped-
             if first + i < len(motion):
                 for k in range(motion.shape[2]):
                     motion[first + i, n, k] = work.now[k]
-    take(chart, y, s.scale, s.new)
-    for k in range(len(s.x)):
-        for i in range(LANES):
-            s.new[k, i] -= s.x[k, i]
+    take(chart, y, s.scale, s.image)
 
 
 @inner
-def summarise(  # type: ignore[no-untyped-def]
-    axis, limit, terrain, turns, slope_of, value_of, work, i, row
-):
+def extremes(axis, terrain, slope_of, value_of, work):  # type: ignore[no-untyped-def]
+    """Least of what makes the normal force, and largest |sin pitch|, between the steps."""
+    if axis == DECOUPLED:
+        return
+    low, steep, value = work.low, work.steep, work.sums[0]
+    for i in range(len(steep)):
+        steep[i] = 0.0
+    for m in range(len(value_of)):
+        between(value_of[m], work.tilt, value)
+        for i in range(len(steep)):
+            steep[i] = max(steep[i], abs(value[i]))
+    if terrain is not None:
+        least_sum(slope_of, work.lift, work.h[2], value_of, work.push, low, work.sums)
+    else:
+        least(slope_of, work.lift, low, work.sums)
+
+
+@inner
+def summarise(axis, limit, terrain, turns, work, i, row):  # type: ignore[no-untyped-def]
     """Steady state of lane i, from the look at its period; see `rrrobot.orbits.measures`."""
     y, n_steps = work.state[0], len(work.lift)
     period = work.h[2, i] * n_steps
@@ -99,19 +114,13 @@ def summarise(  # type: ignore[no-untyped-def]
         harmonic(work.angles, turns, 1, a, turn if a == 2 else 0.0, i, row)
     if axis == DECOUPLED:
         return
-    pitch = 0.0
-    for m in range(len(value_of)):
-        value = 0.0
-        for n in range(n_steps):
-            value += value_of[m, n] * work.tilt[n, i]
-        pitch = max(pitch, abs(value))
-    row[15] = pitch
+    row[15] = work.steep[i]
     if terrain is not None:
-        row[14] = least_sum(slope_of, work.lift, period, value_of, work.push, i)
+        row[14] = work.low[i]
     else:
         weight = work.parameters[i] * work.parameters[3 * LANES + i]
-        row[14] = weight + least(slope_of, work.lift, i) / period
-    if pitch > limit:
+        row[14] = weight + work.low[i] / period
+    if work.steep[i] > limit:
         row[_STATUS] = VERTICAL
     elif work.parameters[LANES + i] > 0.0 and row[14] <= 0.0:
         row[_STATUS] = LIFT_OFF

@@ -1,7 +1,7 @@
 """Limit cycles of many gaits, in blocks side by side, and what each does in its period, in Numba.
 
 A block starts upright and at rest. Newton's method on the return map of a fifth as many steps, then
-of two fifths, leads near the orbit; Broyden's steps on the map itself close it (`newton.py`). Each
+of a third, leads near the orbit; Broyden's steps on the map itself close it (`newton.py`). Each
 gait goes its own way to the last bit, whichever stand beside it.
 """
 
@@ -15,32 +15,35 @@ import numpy as np
 from rrrobot.checks import Array
 from rrrobot.drive.gaits.batch import GaitBatch
 from rrrobot.momentum.batch import _derivative
+from rrrobot.momentum.charts import Chart
 from rrrobot.momentum.coefficients import LANES, N_COEFFICIENTS
 from rrrobot.momentum.compiled import borrowed, compiled, inner
-from rrrobot.momentum.cycle_look import look, summarise
+from rrrobot.momentum.cycle_look import extremes, look, summarise
 from rrrobot.momentum.kernels import ANY, BLOCK, DECOUPLED, N_STAGES, N_STATE, ROWS_PER_STEP
 from rrrobot.momentum.lane import scratch
 from rrrobot.momentum.legs import GaitWork, checked, gait_work, tabulate, turns_of
 from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.newton import (
-    TOLERANCE,
-    Chart,
+    DONE,
+    FORETOLD,
     Search,
     approach,
+    begin,
     close,
     differentiate,
     image,
     invert,
+    judge,
     largest,
+    learned,
     search_room,
 )
 from rrrobot.momentum.normal import N_ANY_MOTION
 from rrrobot.momentum.summary import N_MOTION, N_RESULT
 
-_CRUDE, _COARSE = 0.2, 0.4
+_CRUDE, _COARSE = 0.2, 0.3
 """Steps of the first maps, of those of the map itself, and Broyden's steps on each."""
 _MORE = (1, 0)
-_LOOKS = 3
 
 
 class Found(NamedTuple):
@@ -52,8 +55,8 @@ class Found(NamedTuple):
     point: Array
     """coordinates of the orbits' starts (n, d)"""
     slope: Array
-    """dP/dx there by forward differences, to about 1e-7 (n, d, d); or, if it was not asked for, H
-    of Broyden's steps, about (dP/dx - 1)^-1"""
+    """dP/dx there by forward differences, to about 1e-7 (n, d, d); or, if that was not asked for,
+    1 + H^-1 of Broyden's steps"""
     periods: Array
     """simulated for each search by its closing steps and the look (n,)"""
     before: float
@@ -83,6 +86,10 @@ class Room(NamedTuple):
     """x of z_body at the steps (n, LANES)"""
     rolling: Array
     now: Array
+    low: Array
+    steep: Array
+    """largest |sin pitch| (LANES,)"""
+    sums: Array
     search: Search
 
 
@@ -112,7 +119,7 @@ def search(
         settling: periods of simulation from the upright impulsive start instead of the maps of
             fewer steps.
         most: Broyden's steps.
-        slopes: whether to have dP/dx.
+        slopes: whether to have dP/dx by differences.
 
     Raises:
         GaitError: a leg cannot go round and round.
@@ -153,7 +160,8 @@ def _room(setting: Setting, harmonics: int, counts: list[int], d: int) -> Room:
         tables(decoupled), np.zeros((3, BLOCK)), np.repeat(setting.parameters, LANES),
         np.zeros((4, BLOCK)), np.zeros((N_STAGES, BLOCK)), np.zeros(3 * LANES),
         np.zeros((steps, 3 * LANES)), forces, pushes, tilts, scratch(setting.terrain),
-        np.zeros(N_ANY_MOTION), search_room(d),
+        np.zeros(N_ANY_MOTION), np.zeros(LANES), np.zeros(LANES), np.zeros((2, LANES)),
+        search_room(d),
     )  # fmt: skip
 
 
@@ -183,7 +191,6 @@ def _search(  # type: ignore[no-untyped-def]
         _scale(axis, work)
         fine, h = work.tables[2], work.h[2]
         for i in range(LANES):
-            s.spent[i], s.todo[i] = 0.0, True
             for k in range(d):
                 s.x[k, i] = 0.0
         if settling > 0:
@@ -201,38 +208,37 @@ def _search(  # type: ignore[no-untyped-def]
         else:
             for k in range(2):
                 approach(chart, work.tables[k], work.h[k], axis, terrain, work, _MORE[k])
-        for _ in range(_LOOKS):
+        begin(chart, fine, h, axis, terrain, work)
+        while True:
             close(chart, fine, h, axis, terrain, work, most)
             look(chart, axis, terrain, first, work, found.motion)
-            busy = False
+            done = True
             for i in range(LANES):
-                residual = largest(s.new, i)
-                # Foretold to be closed, and is not.
-                s.todo[i] = s.size[i] <= TOLERANCE and not residual <= TOLERANCE
-                busy = busy or s.todo[i]
-                s.size[i] = residual
-            if not busy:
+                if s.stage[i] == FORETOLD:
+                    judge(s, i, most)
+                    done = done and s.stage[i] == DONE
+            if done:
                 break
+        for i in range(LANES):
+            for k in range(d):
+                s.F[k, i] = s.image[k, i]
+                s.new[k, i] = s.image[k, i] - s.trial[k, i]
+            s.size[i] = largest(s.new, i)
+        extremes(axis, terrain, slope_of, value_of, work)
         for i in range(min(LANES, n - first)):
-            found.periods[first + i] = s.spent[i] + 1.0
+            found.periods[first + i] = s.spent[i]
             for k in range(d):
                 found.point[first + i, k] = s.x[k, i]
-            summarise(axis, limit, terrain, turns[2], slope_of, value_of, work, i,
-                      found.results[first + i])  # fmt: skip
-        if not slopes:
-            for i in range(min(LANES, n - first)):
-                for k in range(d):
-                    for j in range(d):
-                        found.slope[first + i, k, j] = s.inverse[k, j, i]
-        else:
-            for k in range(d):
-                for i in range(LANES):
-                    s.F[k, i] = s.x[k, i] + s.new[k, i]
+            summarise(axis, limit, terrain, turns[2], work, i, found.results[first + i])
+        if slopes:
             differentiate(chart, s.x, s.F, fine, h, axis, terrain, work)
-            for i in range(min(LANES, n - first)):
-                for k in range(d):
-                    for j in range(d):
-                        found.slope[first + i, k, j] = s.slope[k, j, i]
+        else:
+            for i in range(LANES):
+                learned(s, i)
+        for i in range(min(LANES, n - first)):
+            for k in range(d):
+                for j in range(d):
+                    found.slope[first + i, k, j] = s.slope[k, j, i]
 
 
 @inner

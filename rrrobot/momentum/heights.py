@@ -16,9 +16,9 @@ import numpy as np
 from rrrobot.checks import Array
 from rrrobot.drive.gaits.batch import GaitBatch
 from rrrobot.momentum.coefficients import LANES, LaneWork, lane_work, move_lanes
-from rrrobot.momentum.compiled import borrowed, compiled
+from rrrobot.momentum.compiled import borrowed, compiled, inner
 from rrrobot.momentum.interpolation import between
-from rrrobot.momentum.legs import checked, legs_at, turns_at
+from rrrobot.momentum.legs import checked, turns_at
 from rrrobot.momentum.lowering import Setting
 
 
@@ -26,10 +26,10 @@ class Work(NamedTuple):
     """Room for one gait."""
 
     lanes: LaneWork
-    leg: Array
-    """angles, rates and accelerations (3, legs)"""
     place: Array
-    """the normal in the base's axes, and s (6,)"""
+    """the normal in the base's axes, and s (6, instants)"""
+    above: Array
+    """height of the base's origin over the contact (instants,) [m]"""
     heights: Array
     """of each body at the instants (bodies, instants) [m]"""
     fine: Array
@@ -44,17 +44,18 @@ def clearance(setting: Setting, gaits: GaitBatch, motion: Array) -> Array:
         gaits: one row a gait.
         motion: of a cycle that begins at phase zero, as `extremes` takes it.
     """
-    steps, (n, legs) = motion.shape[1], gaits.offset.shape
+    steps = motion.shape[1]
     refine, finer = between(steps, setting.periodic)
     instants = len(refine)
     work = Work(
-        lane_work(setting.tree), np.zeros((3, legs)), np.zeros(6),
+        lane_work(setting.tree), np.zeros((6, instants)), np.zeros(instants),
         np.zeros((setting.tree.mass.size, instants)), np.zeros(len(finer)),
     )  # fmt: skip
-    out = np.empty(n)
+    out = np.empty(gaits.n)
     _lowest(
         setting.tree, setting.radius, tuple(checked(setting.tree, gaits)), motion,
-        turns_at(instants, gaits.sine.shape[1]), refine, np.ascontiguousarray(finer.T), work, out,
+        turns_at(instants, gaits.sine.shape[1]), np.ascontiguousarray(refine.T),
+        np.ascontiguousarray(finer.T), work, out,
     )  # fmt: skip
     return out
 
@@ -63,38 +64,39 @@ def clearance(setting: Setting, gaits: GaitBatch, motion: Array) -> Array:
 def _lowest(tree, radius, gaits, motion, turns, refine, finer, work, out):  # type: ignore[no-untyped-def]
     tree, gaits, motion, turns = borrowed(tree), borrowed(gaits), borrowed(motion), borrowed(turns)
     refine, finer, work, out = borrowed(refine), borrowed(finer), borrowed(work), borrowed(out)
-    offset, winding, sine, cosine, omega = gaits
-    lanes, place, heights, fine = work.lanes, work.place, work.heights, work.fine
+    offset, winding, sine, cosine, _ = gaits
+    lanes, place, above, heights, fine = (
+        work.lanes, work.place, work.above, work.heights, work.fine,
+    )  # fmt: skip
     bodies, n = heights.shape
     # Where the shell is any, its own contact s = -x and the ground's normal are in the motion.
     known = motion.shape[2] > 9
     for g in range(len(out)):
+        for s in range(6 if known else 3):
+            # z_body, or the normal, then s.
+            _interpolate(refine, motion[g], 6 + s if known else s, place[s])
+        for k in range(n):
+            above[k] = radius
+        if known:
+            for k in range(n):
+                above[k] = (
+                    place[0, k] * place[3, k]
+                    + place[1, k] * place[4, k]
+                    + place[2, k] * place[5, k]
+                )
         for first in range(0, n, LANES):
             last = min(first + LANES, n)
-            for k in range(first, last):
-                legs_at(omega[g], offset[g], winding[g], sine[g], cosine[g], turns, k, work.leg)
-                for leg in range(offset.shape[1]):
-                    lanes.angle[leg, k - first] = work.leg[0, leg]
+            for leg in range(offset.shape[1]):
+                for k in range(first, last):
+                    angle = offset[g, leg] + winding[g, leg] * turns[2, k, 0]
+                    for j in range(sine.shape[1]):
+                        angle += (
+                            sine[g, j, leg] * turns[0, k, j] + cosine[g, j, leg] * turns[1, k, j]
+                        )
+                    lanes.angle[leg, k - first] = angle
             for b in range(1, bodies):
                 move_lanes(tree, b, lanes.angle[tree.leg[b]], lanes.rate[tree.leg[b]], lanes.bodies)
-            for k in range(first, last):
-                i, above = k - first, radius
-                for s in range(3):
-                    place[s], place[3 + s] = 0.0, 0.0
-                    for m in range(motion.shape[1]):
-                        place[s] += refine[k, m] * motion[g, m, 6 + s if known else s]
-                        if known:
-                            place[3 + s] += refine[k, m] * motion[g, m, 9 + s]
-                if known:
-                    above = place[0] * place[3] + place[1] * place[4] + place[2] * place[5]
-                for b in range(1, bodies):
-                    own, lever, height = lanes.bodies[b], tree.lever[b], above
-                    for a in range(3):
-                        r = 3 * a * LANES + i
-                        arm = own[r] * lever[0] + own[r + LANES] * lever[1]
-                        arm += own[r + 2 * LANES] * lever[2]
-                        height += place[a] * (own[(9 + a) * LANES + i] + arm)
-                    heights[b, k] = height
+                _heights(lanes.bodies[b], tree.lever[b], place, above, first, heights[b])
         least = np.inf
         for b in range(1, bodies):
             if tree.mass[b] == 0.0:
@@ -116,3 +118,26 @@ def _lowest(tree, radius, gaits, motion, turns, refine, finer, work, out):  # ty
                 if here <= left and here < right and bend > 0.0:
                     least = min(least, here - (left - right) ** 2 / (8.0 * bend))
         out[g] = least
+
+
+@inner
+def _interpolate(refine, motion, entry, out):  # type: ignore[no-untyped-def]
+    """One entry of a motion at the instants."""
+    for k in range(len(out)):
+        out[k] = 0.0
+    for m in range(len(motion)):
+        now = motion[m, entry]
+        for k in range(len(out)):
+            out[k] += refine[m, k] * now
+
+
+@inner
+def _heights(own, lever, place, above, first, out):  # type: ignore[no-untyped-def]
+    """Of a body at the instants from the first on, one in each lane."""
+    for i in range(min(LANES, len(out) - first)):
+        height = above[first + i]
+        for a in range(3):
+            r = 3 * a * LANES + i
+            arm = own[r] * lever[0] + own[r + LANES] * lever[1] + own[r + 2 * LANES] * lever[2]
+            height += place[a, first + i] * (own[(9 + a) * LANES + i] + arm)
+        out[first + i] = height

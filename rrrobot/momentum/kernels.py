@@ -79,8 +79,8 @@ _WHICH, _WEIGHT = _packed([*DOP853.A[:N_STAGES, :N_STAGES], DOP853.B])
 
 
 @njit(inline="always")
-def _rates(y, c, row, par, k, stage):  # type: ignore[no-untyped-def]
-    """k = dy/dt for every lane."""
+def _rates(y, c, row, par, k, stage, travels):  # type: ignore[no-untyped-def]
+    """k = dy/dt for every lane; that of the contact point only if it `travels`."""
     for i in range(LANES):
         qx, qy, qz, qw = y[i], y[1 * LANES + i], y[2 * LANES + i], y[3 * LANES + i]
         scale = 1.0 / (qx * qx + qy * qy + qz * qz + qw * qw)
@@ -102,6 +102,8 @@ def _rates(y, c, row, par, k, stage):  # type: ignore[no-untyped-def]
         f1 = -(w2 * k0 - w0 * k2) - g * (m2 * zx - m0 * zz) - (v2 * p0 - v0 * p2)
         f2 = -(w0 * k1 - w1 * k0) - g * (m0 * zy - m1 * zx) - (v0 * p1 - v1 * p0)
         brake(y, par, k, stage, i, zx, zy, zz, w0, w1, w2, f0, f1, f2)
+        if not travels:
+            continue
         # Contact point of a sphere: r (Omega_y, -Omega_x).
         ox = (1.0 - 2.0 * scale * (qy * qy + qz * qz)) * w0 + 2.0 * scale * (
             (qx * qy - qw * qz) * w1 + (qx * qz + qw * qy) * w2
@@ -232,7 +234,7 @@ def _advance(y, slopes, which, weights, n, h, size, total, out):  # type: ignore
 
 @lanes
 def step(  # type: ignore[no-untyped-def]
-    y, table, at, h, par, axis, slopes, total, work, areas, terrain, rolling, size=BLOCK
+    y, table, at, h, par, axis, slopes, total, work, areas, terrain, rolling
 ):
     """One step of every lane, in place; adds the integrals of x, y and yaw to areas (3 LANES,).
 
@@ -244,35 +246,43 @@ def step(  # type: ignore[no-untyped-def]
         axis: -1 all axes; 0-2 that body axis only; 3 the three single-axis models; ANY.
         slopes: scratch (N_STAGES, BLOCK); its first row then holds the rates at the step's start.
         total, work: scratch (BLOCK,), (BLOCK,).
+        areas: None: x, y and yaw, on which the rest does not depend, are not carried on.
         terrain, rolling: shell and ground, and scratch for them, where axis is ANY; else None.
-        size: entries of y that are carried on; TILT leaves out x, y and yaw, and their integrals.
     """
     for stage in range(N_STAGES + 1):
         if stage == 0:
             for e in range(BLOCK):
                 work[e] = y[e]
         else:
-            # Each with a constant size, which makes faster loops.
-            if size == BLOCK:
-                _advance(y, slopes, _WHICH, _WEIGHT, stage, h, BLOCK, total, work)
-            else:
+            # Each with a constant size, which makes faster loops. Numba leaves out the branches
+            # that the types of areas and terrain rule out.
+            if areas is None:
                 _advance(y, slopes, _WHICH, _WEIGHT, stage, h, TILT, total, work)
+            else:
+                _advance(y, slopes, _WHICH, _WEIGHT, stage, h, BLOCK, total, work)
         if stage == N_STAGES:
             break
-        b = _B[stage]
-        if b != 0.0 and size == BLOCK:
-            for e in range(3 * LANES):
-                areas[e] += b * h[e] * work[7 * LANES + e]
+        if areas is not None:
+            b = _B[stage]
+            if b != 0.0:
+                for e in range(3 * LANES):
+                    areas[e] += b * h[e] * work[7 * LANES + e]
         row = at + _NODE[stage]
-        # Numba leaves out the branch that the type of terrain rules out.
         if terrain is None:
             if axis < 0:
-                _rates(work, table, row, par, slopes, stage)
+                if areas is None:
+                    _rates(work, table, row, par, slopes, stage, False)
+                else:
+                    _rates(work, table, row, par, slopes, stage, True)
             elif axis < DECOUPLED:
                 _axis_rates(work, table, row, par, slopes, stage, axis)
             else:
                 _decoupled_rates(work, table, row, par, slopes, stage)
         else:
             rolling_rates(work, table, row, par, slopes, stage, terrain, rolling)
-    for e in range(size):
-        y[e] = work[e]
+    if areas is None:
+        for e in range(TILT):
+            y[e] = work[e]
+    else:
+        for e in range(BLOCK):
+            y[e] = work[e]

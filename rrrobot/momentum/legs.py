@@ -18,7 +18,7 @@ from rrrobot.momentum.coefficients import (
     lane_work,
 )
 from rrrobot.momentum.compiled import inner, lanes
-from rrrobot.momentum.kernels import NODES
+from rrrobot.momentum.kernels import NODES, ROWS_PER_STEP
 from rrrobot.momentum.tree import Tree
 
 
@@ -34,7 +34,7 @@ class GaitWork(NamedTuple):
 
 def gait_work(tree: Tree, harmonics: int) -> GaitWork:
     """Room for the legs' motion of blocks of gaits."""
-    lanes = lane_work(tree)
+    lanes = lane_work(tree, ROWS_PER_STEP)
     gait = np.zeros((2 + 2 * harmonics, len(lanes.angle), LANES))
     return GaitWork(lanes, gait, np.zeros(LANES))
 
@@ -94,26 +94,31 @@ def tabulate(tree, gaits, first, turns, work, table):  # type: ignore[no-untyped
             for j in range(harmonics):
                 work.gait[2 + 2 * j, leg, i] = sine[g, j, leg]
                 work.gait[3 + 2 * j, leg, i] = cosine[g, j, leg]
-    for r in range(rows):
+    for at in range(0, rows, ROWS_PER_STEP):
         for leg in range(legs):
-            _swing(work.gait, work.omega, turns, r, leg, work.lanes.angle, work.lanes.rate)
-        fill_lanes(tree, work.lanes, table, r)
+            _swing(work.gait, work.omega, turns, at, leg, work.lanes.angle, work.lanes.rate)
+        fill_lanes(tree, work.lanes, table, at)
     for e in range(N_COEFFICIENTS * LANES):
         table[rows, e] = table[0, e]
 
 
 @lanes
-def _swing(gait, omega, turns, r, leg, angle, rate):  # type: ignore[no-untyped-def]
-    """Angle and rate of a leg in every lane."""
-    for i in range(LANES):
-        angle[leg, i] = gait[0, leg, i] + gait[1, leg, i] * turns[2, r, 0]
-        rate[leg, i] = gait[1, leg, i] * omega[i]
+def _swing(gait, omega, turns, at, leg, angle, rate):  # type: ignore[no-untyped-def]
+    """Angle and rate of a leg in every lane at the rows of a step."""
+    lanes = len(omega)
+    offset, winding, angle, rate = gait[0, leg], gait[1, leg], angle[leg], rate[leg]
+    for r in range(ROWS_PER_STEP):
+        here, turn = r * LANES, turns[2, at + r, 0]
+        for i in range(lanes):
+            angle[here + i] = offset[i] + winding[i] * turn
+            rate[here + i] = winding[i] * omega[i]
     for j in range(turns.shape[2]):
-        s, c = turns[0, r, j], turns[1, r, j]
-        for i in range(LANES):
-            a, b = gait[2 + 2 * j, leg, i], gait[3 + 2 * j, leg, i]
-            angle[leg, i] += a * s + b * c
-            rate[leg, i] += (j + 1.0) * omega[i] * (a * c - b * s)
+        a, b = gait[2 + 2 * j, leg], gait[3 + 2 * j, leg]
+        for r in range(ROWS_PER_STEP):
+            here, s, c = r * LANES, turns[0, at + r, j], turns[1, at + r, j]
+            for i in range(lanes):
+                angle[here + i] += a[i] * s + b[i] * c
+                rate[here + i] += (j + 1.0) * omega[i] * (a[i] * c - b[i] * s)
 
 
 @inner

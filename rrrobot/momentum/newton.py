@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rrrobot.checks import Array
+from rrrobot.momentum.charts import put, take
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import inner
-from rrrobot.momentum.kernels import BLOCK, ROWS_PER_STEP, TILT, step
+from rrrobot.momentum.kernels import ROWS_PER_STEP, step
 
 TOLERANCE = 1e-12
 """Largest residual of an orbit in scaled units."""
@@ -30,20 +31,12 @@ LARGEST_STEP = 0.7
 GROWTH = 3.0
 """By how much a step may make the residual grow before it is halved."""
 HALVINGS = 6
-_K = 4
-
-
-class Chart(NamedTuple):
-    """What must come back after a period; see `rrrobot.orbits.section`."""
-
-    angles: NDArray[np.int64]
-    """entries of (roll, pitch)' that are free"""
-    momenta: NDArray[np.int64]
-    """entries of K that are free"""
-    tilted: bool
-    """whether the state is a quaternion; else it is the angles themselves"""
-    level: bool
-    """whether the momentum about the vertical is held at zero"""
+DONE, FORETOLD, BUSY = 0, 1, 2
+"""Whether a lane goes on; or will have ended when its last step is proved."""
+_CLOSED = 0.03 * TOLERANCE
+"""Residual at which a lane ends."""
+_MISSES = 2
+"""How often a lane's end may be foretold in vain."""
 
 
 class Search(NamedTuple):
@@ -64,10 +57,13 @@ class Search(NamedTuple):
     """largest entry of |F| (LANES,)"""
     scale: Array
     """of K (LANES,)"""
-    todo: NDArray[np.bool_]
+    stage: NDArray[np.int64]
+    """DONE, FORETOLD or BUSY (LANES,)"""
     halved: NDArray[np.int64]
+    missed: NDArray[np.int64]
+    """how often what was foretold did not come true (LANES,)"""
     spent: Array
-    """periods that each lane took, those of fewer steps in part (LANES,)"""
+    """periods that each lane took, with the look at the end (LANES,)"""
     row: Array
     """scratch (d, 2 d)"""
 
@@ -76,60 +72,12 @@ def search_room(d: int) -> Search:
     """Room for d coordinates."""
     x, trial, F, new, dx, image = np.zeros((6, d, LANES))
     inverse, slope = np.zeros((2, d, d, LANES))
-    todo, halved = np.zeros(LANES, dtype=np.bool_), np.zeros(LANES, dtype=np.int64)
+    stage, halved, missed = np.zeros((3, LANES), dtype=np.int64)
     size, scale, spent = np.zeros(LANES), np.ones(LANES), np.zeros(LANES)
     return Search(
-        x, trial, F, new, dx, image, inverse, slope, size, scale, todo, halved, spent,
+        x, trial, F, new, dx, image, inverse, slope, size, scale, stage, halved, missed, spent,
         np.zeros((d, 2 * d)),
     )  # fmt: skip
-
-
-@inner
-def put(chart, x, scale, y, ahead):  # type: ignore[no-untyped-def]
-    """States y of coordinates x, at the origin; with yaw zero if `ahead`, else with any."""
-    n = len(chart.angles)
-    for e in range(BLOCK):
-        y[e] = 0.0
-    for i in range(LANES):
-        roll, pitch = 0.0, 0.0
-        for k in range(n):
-            if chart.angles[k] == 0:
-                roll = x[k, i]
-            else:
-                pitch = x[k, i]
-        for k in range(len(chart.momenta)):
-            y[(_K + chart.momenta[k]) * LANES + i] = x[n + k, i] * scale[i]
-        if not chart.tilted:
-            y[i], y[LANES + i] = roll, pitch
-            continue
-        a, b = 0.5 * roll, 0.5 * pitch
-        # (a, b, 0, 1) has the tilt; a turn about the vertical takes its yaw away.
-        s, c = 0.0, 1.0
-        if ahead:
-            half = -0.5 * np.arctan2(2.0 * a * b, 1.0 + a * a - b * b)
-            s, c = np.sin(half), np.cos(half)
-        y[i], y[LANES + i] = c * a - s * b, c * b + s * a
-        y[2 * LANES + i], y[3 * LANES + i] = s, c
-        if chart.level:
-            # K . z = 0, with z in the ratio (-2b, 2a, 1 - a^2 - b^2).
-            along = 2.0 * (b * y[_K * LANES + i] - a * y[(_K + 1) * LANES + i])
-            y[(_K + 2) * LANES + i] = along / (1.0 - a * a - b * b)
-
-
-@inner
-def take(chart, y, scale, x):  # type: ignore[no-untyped-def]
-    """Coordinates x of states y."""
-    n = len(chart.angles)
-    for i in range(LANES):
-        roll, pitch = y[i], y[LANES + i]
-        if chart.tilted:
-            a, b, z, w = roll, pitch, y[2 * LANES + i], y[3 * LANES + i]
-            over = 2.0 / (z * z + w * w)
-            roll, pitch = over * (b * z + w * a), over * (w * b - a * z)
-        for k in range(n):
-            x[k, i] = roll if chart.angles[k] == 0 else pitch
-        for k in range(len(chart.momenta)):
-            x[n + k, i] = y[(_K + chart.momenta[k]) * LANES + i] / scale[i]
 
 
 @inner
@@ -139,7 +87,7 @@ def image(chart, x, table, h, axis, terrain, work, out):  # type: ignore[no-unty
     put(chart, x, work.search.scale, y, False)
     for at in range(0, len(table) - 1, ROWS_PER_STEP):
         step(y, table, at, h, work.parameters, axis, work.slopes, work.state[2], work.state[3],
-             work.areas, terrain, work.rolling, TILT)  # fmt: skip
+             None, terrain, work.rolling)  # fmt: skip
     take(chart, y, work.search.scale, out)
 
 
@@ -188,6 +136,19 @@ def invert(s, i):  # type: ignore[no-untyped-def]
     for a in range(d):
         for b in range(d):
             s.inverse[a, b, i] = m[a, d + b] if good else 0.0
+
+
+@inner
+def learned(s, i):  # type: ignore[no-untyped-def]
+    """dP/dx of lane i = 1 + H^-1, and in place of H its inverse; one where it has none."""
+    d = len(s.x)
+    for a in range(d):
+        for b in range(d):
+            s.slope[a, b, i] = s.inverse[a, b, i] + (1.0 if a == b else 0.0)
+    invert(s, i)
+    for a in range(d):
+        for b in range(d):
+            s.slope[a, b, i] = s.inverse[a, b, i] + (1.0 if a == b else 0.0)
 
 
 @inner
@@ -269,55 +230,67 @@ def approach(chart, table, h, axis, terrain, work, more):  # type: ignore[no-unt
 
 
 @inner
-def close(chart, table, h, axis, terrain, work, most):  # type: ignore[no-untyped-def]
-    """Damped steps of the lanes that are to do, until F is small or `most` are made.
-
-    The last step is left unproven where the steps before foretell that it ends far below the
-    tolerance; `size` is then what is foretold, and the caller has to look.
-    """
+def begin(chart, table, h, axis, terrain, work):  # type: ignore[no-untyped-def]
+    """The first step of every lane from x and H."""
     s = work.search
-    d = len(s.x)
     image(chart, s.x, table, h, axis, terrain, work, s.image)
     for i in range(LANES):
-        if s.todo[i]:
-            for k in range(d):
-                s.F[k, i] = s.image[k, i] - s.x[k, i]
-            s.spent[i] += 1.0
-            s.size[i] = largest(s.F, i)
-            s.halved[i] = 0
-            aim(s, i)
-            s.todo[i] = np.isfinite(s.size[i])
-    for _ in range(most):
+        for k in range(len(s.x)):
+            s.F[k, i] = s.image[k, i] - s.x[k, i]
+        s.spent[i], s.halved[i], s.missed[i] = 1.0, 0, 0
+        s.size[i] = largest(s.F, i)
+        aim(s, i)
+        s.stage[i] = BUSY
+        if not np.isfinite(s.size[i]) or s.size[i] <= _CLOSED:
+            _end(s, i)
+
+
+@inner
+def close(chart, table, h, axis, terrain, work, most):  # type: ignore[no-untyped-def]
+    """Damped steps until no lane is busy; the trial is then where to look.
+
+    The last step of a lane is left unproven where those before foretell that it ends far below the
+    tolerance: it is proved beside other lanes that are busy, or else by the look.
+    """
+    s = work.search
+    while True:
         busy = False
         for i in range(LANES):
-            if s.todo[i] and s.size[i] <= 0.03 * TOLERANCE:
-                s.todo[i] = False
-            busy = busy or s.todo[i]
-            for k in range(d):
-                s.trial[k, i] = s.x[k, i] + (s.dx[k, i] if s.todo[i] else 0.0)
+            busy = busy or s.stage[i] == BUSY
+            for k in range(len(s.x)):
+                s.trial[k, i] = s.x[k, i] + (s.dx[k, i] if s.stage[i] != DONE else 0.0)
         if not busy:
             break
         image(chart, s.trial, table, h, axis, terrain, work, s.image)
         for i in range(LANES):
-            if s.todo[i]:
-                _judge(s, i)
+            if s.stage[i] != DONE:
+                judge(s, i, most)
 
 
 @inner
-def _judge(s, i):  # type: ignore[no-untyped-def]
-    """Take the trial of lane i, or halve its step."""
+def judge(s, i, most):  # type: ignore[no-untyped-def]
+    """Take the trial of lane i by its image, or halve its step; after `most` steps it is done."""
     d, before = len(s.x), s.size[i]
     s.spent[i] += 1.0
     for k in range(d):
         s.new[k, i] = s.image[k, i] - s.trial[k, i]
     now = largest(s.new, i)
-    if not now <= GROWTH * before + TOLERANCE and s.halved[i] < HALVINGS:
+    if s.stage[i] == FORETOLD:
+        if now <= TOLERANCE:
+            for k in range(d):
+                s.x[k, i] = s.trial[k, i]
+            s.size[i], s.stage[i] = now, DONE
+            return
+        s.stage[i] = BUSY
+        s.missed[i] += 1
+    last = s.spent[i] > most
+    if not now <= GROWTH * before + TOLERANCE and s.halved[i] < HALVINGS and not last:
         s.halved[i] += 1
         for k in range(d):
             s.dx[k, i] *= 0.5
         return
     if not np.isfinite(now):
-        s.todo[i] = False
+        _end(s, i)
         return
     learn(s, i)
     for k in range(d):
@@ -325,12 +298,15 @@ def _judge(s, i):  # type: ignore[no-untyped-def]
     s.size[i], s.halved[i] = now, 0
     long = aim(s, i)
     # Rounding: no smaller than before means that there is no more to gain.
-    if (before <= TOLERANCE and now >= 0.5 * before) or (now <= TOLERANCE and long <= TOLERANCE):
-        s.todo[i] = False
-        return
-    foretold = now * (now / max(before, 1e-300)) ** 1.5
-    if foretold <= 0.1 * TOLERANCE and now > 0.03 * TOLERANCE:
-        for k in range(d):
-            s.x[k, i] += s.dx[k, i]
-        s.size[i] = foretold
-        s.todo[i] = False
+    rounded = before <= TOLERANCE and now >= 0.5 * before
+    if last or rounded or now <= _CLOSED or (now <= TOLERANCE and long <= TOLERANCE):
+        _end(s, i)
+    elif now * (now / before) ** 1.5 <= 0.1 * TOLERANCE and s.missed[i] < _MISSES:
+        s.stage[i] = FORETOLD
+
+
+@inner
+def _end(s, i):  # type: ignore[no-untyped-def]
+    """Lane i is done; the look at it is one more period."""
+    s.stage[i] = DONE
+    s.spent[i] += 1.0

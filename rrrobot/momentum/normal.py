@@ -12,7 +12,7 @@ import numpy as np
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import inner
 from rrrobot.momentum.lane import N, P, R, S, U, X
-from rrrobot.momentum.summary import N_MOTION
+from rrrobot.momentum.summary import N_MOTION, between
 from rrrobot.momentum.terrain import BOULDER, GRAPH
 
 N_ANY_MOTION = N_MOTION + 12
@@ -66,13 +66,13 @@ def push(b, now, par, i):  # type: ignore[no-untyped-def]
 
 
 @inner
-def least_sum(slope_of, lift, period, value_of, rest, i):  # type: ignore[no-untyped-def]
-    """Least of the rate of `lift` plus `rest` of lane i, between the samples of a cycle."""
-    least = np.inf
+def least_sum(slope_of, lift, h, value_of, rest, out, sums):  # type: ignore[no-untyped-def]
+    """Least of the rate of `lift` plus `rest` of every lane, between the samples of a cycle."""
+    rate, value, steps = sums[0], sums[1], len(lift)
+    for i in range(len(out)):
+        out[i] = np.inf
     for m in range(len(slope_of)):
-        rate, value = 0.0, 0.0
-        for n in range(len(lift)):
-            rate += slope_of[m, n] * lift[n, i]
-            value += value_of[m, n] * rest[n, i]
-        least = min(least, rate / period + value)
-    return least
+        between(slope_of[m], lift, rate)
+        between(value_of[m], rest, value)
+        for i in range(len(out)):
+            out[i] = min(out[i], rate[i] / (h[i] * steps) + value[i])

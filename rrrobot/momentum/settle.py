@@ -89,6 +89,10 @@ def settle(  # type: ignore[no-untyped-def]
                     work.table[r, 5 * LANES + i] = work.other[r, 5 * LANES + i]
                     work.table[r, 14 * LANES + i] = work.other[r, 14 * LANES + i]
         _settle(axis, limit, terrain, first, work, motion, out)
+        if terrain is not None:
+            least_sum(slope_of, work.lift, work.h, value_of, work.push, work.low, work.sums)
+        elif axis != DECOUPLED:
+            least(slope_of, work.lift, work.low, work.sums)
         for i in range(min(LANES, n - first)):
             row, period = out[first + i], work.h[i] * n_steps
             for c in range(N_RESULT):
@@ -102,11 +106,11 @@ def settle(  # type: ignore[no-untyped-def]
                 harmonic(work.angles, turns, len(work.means), a, turned, i, row)
             if axis != DECOUPLED:
                 if terrain is not None:
-                    row[14] = least_sum(slope_of, work.lift, period, value_of, work.push, i)
+                    row[14] = work.low[i]
                 else:
                     # M g and the least rate of the vertical momentum.
                     weight = work.parameters[i] * work.parameters[3 * LANES + i]
-                    row[14] = weight + least(slope_of, work.lift, i) / period
+                    row[14] = weight + work.low[i] / period
                 # Only a rolling contact can lift off: a pivot also pulls.
                 if work.parameters[LANES + i] > 0.0 and row[14] <= 0.0:
                     row[N_RESULT - 1] = LIFT_OFF

@@ -122,12 +122,23 @@ def harmonic(angles, turns, counted, a, drift, i, out):  # type: ignore[no-untyp
 
 
 @inner
-def least(slope_of, values, i):  # type: ignore[no-untyped-def]
-    """Least slope of a periodic quantity (steps, LANES) of lane i, times the period."""
-    least = np.inf
+def least(slope_of, values, out, sums):  # type: ignore[no-untyped-def]
+    """Least slope of a periodic quantity (steps, LANES) of every lane, times the period."""
+    now = sums[0]
+    for i in range(len(out)):
+        out[i] = np.inf
     for m in range(len(slope_of)):
-        slope = 0.0
-        for n in range(len(values)):
-            slope += slope_of[m, n] * values[n, i]
-        least = min(least, slope)
-    return least
+        between(slope_of[m], values, now)
+        for i in range(len(out)):
+            out[i] = min(out[i], now[i])
+
+
+@inner
+def between(weights, values, out):  # type: ignore[no-untyped-def]
+    """A weighted sum of samples (steps, LANES) in every lane."""
+    # Of a number of lanes that the compiler is not told it makes vector code.
+    for i in range(len(out)):
+        out[i] = 0.0
+    for n in range(len(values)):
+        for i in range(len(out)):
+            out[i] += weights[n] * values[n, i]

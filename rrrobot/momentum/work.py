@@ -58,6 +58,10 @@ class Work(NamedTuple):
     """likewise (3, LANES)"""
     now: Array
     """one lane's motion (N_ANY_MOTION,)"""
+    low: Array
+    """least slope of lift, or least normal force where axis is ANY (LANES,)"""
+    sums: Array
+    """scratch (2, LANES)"""
 
 
 def work_of(setting: Setting, harmonics: int, counted: int, n_steps: int) -> Work:
@@ -72,4 +76,5 @@ def work_of(setting: Setting, harmonics: int, counted: int, n_steps: int) -> Wor
         np.zeros((n_steps, LANES)), scratch(setting.terrain),
         np.zeros(LANES, dtype=np.int64), np.zeros(LANES), np.zeros((N_PAST, 2, LANES)),
         np.zeros((3, LANES)), np.zeros(N_ANY_MOTION),
+        np.zeros(LANES), np.zeros((2, LANES)),
     )  # fmt: skip
