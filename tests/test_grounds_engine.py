@@ -8,7 +8,7 @@ from scipy.spatial.transform import Rotation
 
 import rrrobot as rr
 from rrrobot.drive.gaits import GaitBatch
-from rrrobot.momentum.batch import RESULT, steady_states
+from rrrobot.momentum.batch import LOADS, RESULT, steady_states
 from rrrobot.momentum.kernels import ANY, GROUND_END, OK
 from rrrobot.momentum.lowering import lower
 from rrrobot.momentum.terrain import fineness, series_at, terrain_of
@@ -174,14 +174,14 @@ def test_steady_states_are_those_of_a_simulation(name):
     period = 2 * np.pi / 8
     t = rr.simulate(full, gait, 38 * period, period / 80, method="momentum", step=period / 80)
     steady = t.steady_state(after=18 * period)
-    row = dict(zip((*RESULT, "friction", "rms", "peak", "power"), found[1], strict=True))
+    row = dict(zip((*RESULT, *LOADS), found[1], strict=True))
     assert row["status"] == OK
     assert row["speed"] == pytest.approx(steady.speed, rel=2e-5)
     assert row["yaw_rate"] == pytest.approx(steady.yaw_rate, abs=1e-6)
     last = t.time > 37 * period - 1e-9
     assert row["normal_force"] == pytest.approx(t.normal_force[last].min(), abs=2e-3)
     assert row["friction"] == pytest.approx(t.required_friction[last].max(), rel=2e-2)
-    assert row["peak"] == pytest.approx(np.abs(t.leg_torque[last]).max(), rel=1e-3)
+    assert row["peak_torque"] == pytest.approx(np.abs(t.leg_torque[last]).max(), rel=1e-3)
     assert row["clearance"] == pytest.approx(clearance(t, last), abs=1e-5)
 
 
@@ -198,11 +198,11 @@ def test_loads_where_the_motion_does_not_repeat(ground):
     t = rr.simulate(full, gait, 4 * period, period / 40, method="momentum", step=period / 40)
     # The samples of the engine's own last cycle, from its start to its last step.
     last = slice(-41, -2)
-    row = dict(zip((*RESULT, "friction", "rms", "peak", "power"), found[0], strict=True))
+    row = dict(zip((*RESULT, *LOADS), found[0], strict=True))
     assert row["status"] == OK
     assert row["normal_force"] == pytest.approx(t.normal_force[last].min(), abs=5e-3)
     assert row["friction"] == pytest.approx(t.required_friction[last].max(), rel=2e-2)
-    assert row["peak"] == pytest.approx(np.abs(t.leg_torque[last]).max(), rel=2e-2)
+    assert row["peak_torque"] == pytest.approx(np.abs(t.leg_torque[last]).max(), rel=2e-2)
 
 
 def test_a_lane_that_rolls_off_its_boulder_stops():

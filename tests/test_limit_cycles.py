@@ -126,12 +126,6 @@ def test_an_ellipsoid_rolls_into_its_cycle():
     assert c.normal_force == pytest.approx(t.normal_force.min(), abs=2e-4)
 
 
-def test_slopes_are_refused():
-    model = rr.FullModel(ROBOT, ground=rr.Plane((0.1, 0.0, 1.0)))
-    with pytest.raises(rr.ModelError, match="not on level ground"):
-        limit_cycle(model, rr.gait("circular"))
-
-
 def test_small_deviations_die_away_as_the_multipliers_say():
     """The momentum engine's own long run, deviation from the cycle after five periods."""
     gait = rr.gait("lateral")

@@ -25,7 +25,7 @@ from rrrobot.momentum.kernels import (
     ROWS_PER_STEP,
     step,
 )
-from rrrobot.momentum.lane import scratch
+from rrrobot.momentum.lane import ROOM, scratch
 from rrrobot.momentum.legs import checked, gait_work, stage_times, tabulate, turns_of
 from rrrobot.momentum.lowering import Setting
 from rrrobot.momentum.normal import N_ANY_MOTION, contact_motion, push
@@ -66,6 +66,8 @@ class Cycles(NamedTuple):
 class Seen(NamedTuple):
     """What is seen of a period at the start of each of its steps."""
 
+    start: Array
+    """state before the period (n, N_STATE)"""
     end: Array
     """state after the period (n, N_STATE)"""
     areas: Array
@@ -80,6 +82,9 @@ class Seen(NamedTuple):
     decoupled"""
     push: Array
     """what its rate lacks of the normal force, of any shell (n, steps)"""
+    ground: Array
+    """least room to where the ground ends, and least det(1 + H G), of any shell: each is negative
+    if the motion does not exist (n, 2)"""
 
 
 def cycles_of(
@@ -182,15 +187,17 @@ def seen(cycles: Cycles, y: Array) -> Seen:
     entries = N_ANY_MOTION if setting.axis == ANY else N_MOTION
     areas = np.zeros((blocks, 3 * LANES))
     out = np.full((blocks, steps, (3 + entries + 2) * LANES), np.nan)
+    ground = np.full((blocks, 2 * LANES), np.inf)
     par = np.repeat(setting.parameters, LANES)
     _look(
         state, cycles.tables, cycles.h, par, setting.axis, setting.terrain,
         scratch(setting.terrain), _scratch(), areas, out,
+        ground,
     )  # fmt: skip
     flat = _history(out, n)
     return Seen(
-        _out_of_blocks(state, n), _out_of_blocks(areas, n), flat[:, :, :3],
-        flat[:, :, 3:-2], flat[:, :, -2], flat[:, :, -1],
+        y, _out_of_blocks(state, n), _out_of_blocks(areas, n), flat[:, :, :3],
+        flat[:, :, 3:-2], flat[:, :, -2], flat[:, :, -1], _out_of_blocks(ground, n),
     )  # fmt: skip
 
 
@@ -234,11 +241,11 @@ def _carry(  # type: ignore[no-untyped-def]
 
 @compiled()
 def _look(  # type: ignore[no-untyped-def]
-    state, tables, h, par, axis, terrain, rolling, work, areas, out
+    state, tables, h, par, axis, terrain, rolling, work, areas, out, ground
 ):
-    state, tables, h, par, rolling, work, areas, out = (
+    state, tables, h, par, rolling, work, areas, out, ground = (
         borrowed(state), borrowed(tables), borrowed(h), borrowed(par), borrowed(rolling),
-        borrowed(work), borrowed(areas), borrowed(out),
+        borrowed(work), borrowed(areas), borrowed(out), borrowed(ground),
     )  # fmt: skip
     if terrain is not None:
         terrain = borrowed(terrain)
@@ -248,6 +255,9 @@ def _look(  # type: ignore[no-untyped-def]
     turned = np.empty(BLOCK)
     for b in range(len(state)):
         y, table = state[b], tables[b]
+        if terrain is not None:
+            for e in range(2 * LANES):
+                rolling[ROOM * LANES + e] = np.inf
         for n in range(out.shape[1]):
             for e in range(BLOCK):
                 before[e] = y[e]
@@ -263,6 +273,9 @@ def _look(  # type: ignore[no-untyped-def]
                     row[8 * LANES + i] = slopes[0, 9 * LANES + i]
                 continue
             _gather(before, table, at, par, slopes, terrain, rolling, now, entries, row)
+        if terrain is not None:
+            for e in range(2 * LANES):
+                ground[b, e] = rolling[ROOM * LANES + e]
 
 
 @inner

@@ -193,12 +193,12 @@ def branch(
     store: str | Path | None = None,
     progress: Progress = False,
 ) -> Branch:
-    """Follow a limit cycle as one parameter of gait, robot, damping or gravity changes.
+    """Follow a limit cycle as one parameter of gait, robot, damping, ground or gravity changes.
 
     Args:
         cycle: where to start.
         parameter: its name, such as `amplitude`, `offset[0]`, `angular_frequency`, `leg_mass`,
-            `damping`; a wrong one is answered with the list.
+            `damping`, `slope`, `boulder_radius`; a wrong one is answered with the list.
         to: value towards which to go, where the branch ends [the parameter's unit].
         back: value at which it ends if a fold turns it round; as far again behind the start if
             None.

@@ -13,7 +13,7 @@ from rrrobot.errors import GaitError, ModelError, OrbitError, ParameterError
 from rrrobot.models.base import Model
 from rrrobot.momentum.batch import Setting, decoupled_setting, lower
 from rrrobot.momentum.newton import TOLERANCE
-from rrrobot.momentum.returns import Cycles, Seen, carry, cycles_of_gait
+from rrrobot.momentum.returns import Cycles, Seen, carry, cycles_of_gait, replicated
 from rrrobot.orbits.measures import Measures, look, measures
 from rrrobot.orbits.newton import ReturnMap, derivative, iterate, return_map
 from rrrobot.orbits.section import Section, section_of
@@ -25,6 +25,8 @@ _STEP_ERROR = 1e-11
 """What twice as many steps may change in scaled units."""
 SETTLING = 25
 """Periods from the impulsive start before Newton's first step."""
+_HEADINGS = 24
+"""From which a slope is searched for one that comes back."""
 _STILL = 1e-12
 
 
@@ -198,6 +200,15 @@ def described(
             f"{np.rad2deg(np.arcsin(min(m.pitch[0], 1))):.1f} degrees, where the damping on Euler "
             "rates is singular: use BodyRateDamping, or swing the legs less."
         )
+    if np.any(sight.ground < 0.0):
+        why = (
+            "its contact passes the equator" if sight.ground[0, 0] < 0.0
+            else "the ground curves tighter than the shell, which touches it twice"
+        )  # fmt: skip
+        raise OrbitError(
+            f"the orbit of the {case.model.name} model is none: {why}. Give a larger radius, or "
+            "swing the legs less."
+        )
     residual = float(np.abs(case.section.point(sight.end, P.scale) - x).max(initial=0.0))
     if monodromy is None:
         monodromy = derivative(P, x[None])[0]
@@ -209,15 +220,15 @@ def described(
 
 def _searched(case: Case, P: ReturnMap, start: Array | None) -> tuple[Array, Array, int]:
     """An orbit's coordinates (1, size), the inverse there, and the periods spent."""
-    at_rest = np.zeros((1, case.section.size))
-    starts = [at_rest] if start is None else [start[None]]
-    spent = 0
-    if start is None:
+    if start is not None:
+        starts, spent = [start[None]], 0
+    elif case.section.heads:
+        starts, spent = _returning(case, P), _HEADINGS * (SETTLING + 1)
+    else:
+        at_rest = np.zeros((1, case.section.size))
         settled = carry(P.cycles, case.section.state(at_rest, P.scale), SETTLING)
         point = case.section.point(settled, P.scale)
-        spent = SETTLING
-        if np.all(np.isfinite(point)):
-            starts.insert(0, point)
+        starts, spent = [point, at_rest] if np.all(np.isfinite(point)) else [at_rest], SETTLING
     worst = np.inf
     for x in starts:
         roots = iterate(P, x)
@@ -231,6 +242,43 @@ def _searched(case: Case, P: ReturnMap, start: Array | None) -> tuple[Array, Arr
             return roots.point, roots.inverse, spent
         worst = min(worst, float(roots.residual[0]))
     raise _refusal(case, worst, spent)
+
+
+def _returning(case: Case, P: ReturnMap) -> list[Array]:
+    """Starts (1, size) near headings that come back on a slope: those that hold, nearest to yaw
+    zero, first.
+
+    Robots that have settled facing all sides turn a little in each period; between
+    two that turn towards each other, or away from each other, one does not.
+    """
+    n, section = _HEADINGS, case.section
+    many = P._replace(cycles=replicated(P.cycles, n), scale=np.repeat(P.scale, n))
+    x = np.zeros((n, section.size))
+    x[:, -1] = np.linspace(-np.pi, np.pi, n, endpoint=False)
+    x = section.point(carry(many.cycles, section.state(x, many.scale), SETTLING), many.scale)
+    x = section.wrapped(x)
+    turn = (many(x) - x)[:, -1]
+    alive = np.isfinite(turn)
+    if not alive.any():
+        raise OrbitError(
+            f"the {case.model.name} model tips over on its slope whatever its heading: take a "
+            "gentler slope, or swing the legs less."
+        )
+    order = np.argsort(x[alive, -1])
+    x, turn = x[alive][order], turn[alive][order]
+    after, turned = np.roll(x, -1, axis=0), np.roll(turn, -1)
+    after[-1, -1] += 2 * np.pi
+    found = np.flatnonzero(turn * turned <= 0.0)
+    if not found.size:
+        raise OrbitError(
+            f"no heading comes back on this slope: in each period the {case.model.name} model "
+            f"turns by {np.rad2deg(turn.min()):.3g} to {np.rad2deg(turn.max()):.3g} degrees, "
+            "whatever its heading. Only a gait that can go straight has a limit cycle there."
+        )
+    part = (turn / np.where(turn == turned, 1.0, turn - turned))[found, None]
+    near = x[found] + part * (after[found] - x[found])
+    leaves = turn[found] <= turned[found]
+    return [near[i : i + 1] for i in np.lexsort((np.abs(near[:, -1]), leaves))]
 
 
 def _refusal(case: Case, residual: float, spent: int) -> OrbitError:

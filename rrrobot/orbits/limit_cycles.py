@@ -22,7 +22,9 @@ from rrrobot.simulation.trajectory import Trajectory
 class LimitCycle:
     """A motion that repeats after some periods of the legs, up to a displacement in the plane.
 
-    The cycle starts at t = 0 of the gait, at the origin with yaw 0.
+    The cycle starts at t = 0 of the gait, at the origin with yaw 0. On a slope its heading comes
+    back too, and only the place advances; on a boulder or a bowl it is turned about the top or the
+    bottom, where its contact does not start.
 
     Attributes:
         model, gait: whose; `yaw_gait` is the yaw model's own, if decoupled.
@@ -43,7 +45,9 @@ class LimitCycle:
         residual: largest difference of tilt and momentum after the period, in scaled units.
         steps_per_cycle: fixed steps in a period of the legs.
         iterations: periods simulated to find it.
-        euler, euler_rates: roll, pitch, yaw and their rates at the start (3,) [rad], [rad/s].
+        euler, euler_rates: roll, pitch, yaw and their rates at the start (3,) [rad], [rad/s]; the
+            yaw is zero but on a slope.
+        position: of the contact at the start (2,) [m]; zero but on a boulder.
         point: coordinates of the start, for a neighbour's search.
 
     Example:
@@ -73,6 +77,7 @@ class LimitCycle:
     iterations: int
     euler: Array
     euler_rates: Array
+    position: Array
     point: Array
     found: Found = field(repr=False)
     """the engine's view, for sensitivities and continuation"""
@@ -97,7 +102,7 @@ class LimitCycle:
             return np.full(2, np.nan)
         x, y = self.displacement
         cot = math.cos(half) / math.sin(half)
-        return 0.5 * np.array((x - cot * y, y + cot * x))
+        return self.position + 0.5 * np.array((x - cot * y, y + cot * x))
 
     @property
     def settling_times(self) -> Array:
@@ -148,7 +153,7 @@ class LimitCycle:
             )  # fmt: skip
         return simulate(
             self.model, self.gait, duration, sample_interval, euler=self.euler,
-            start=self.euler_rates, step=step, method="momentum",
+            position=self.position, start=self.euler_rates, step=step, method="momentum",
         )  # fmt: skip
 
     def plot(self, kind: str = "all", ax: Any = None) -> Any:
@@ -172,7 +177,7 @@ class LimitCycle:
             )
         }  # fmt: skip
         for name in ("velocity", "amplitude", "phase", "mean", "displacement", "euler",
-                     "euler_rates", "frequencies", "settling_times"):  # fmt: skip
+                     "euler_rates", "position", "frequencies", "settling_times"):  # fmt: skip
             data[name] = getattr(self, name).tolist()
         data["curvature"] = self.curvature if math.isfinite(self.curvature) else None
         data["multipliers"] = [[m.real, m.imag] for m in self.multipliers.tolist()]
@@ -217,7 +222,9 @@ def limit_cycle(
     unstable.
 
     Args:
-        model: any of the five models, or `DecoupledModels`, with damping, on level ground.
+        model: any of the five models, or `DecoupledModels`, with damping, on level ground, a
+            slope, a boulder or a bowl. On a slope the cycle is one whose heading comes back, if
+            there is any: one that holds, nearest to yaw zero.
         gait: that repeats.
         periods: of the legs, after which the motion repeats; 2 after a period doubling. A cycle
             that repeats sooner is one too, and may be what is found.
@@ -228,9 +235,10 @@ def limit_cycle(
 
     Raises:
         GaitError: the gait does not repeat, its legs do not move, or it does not fit the robot.
-        ModelError: the model has no damping, or is none that the engine runs.
-        OrbitError: none was found, or it passes through the vertical where the damping is
-            singular. The message says how the search ended.
+        ModelError: the model has no damping, or is none that the engine runs, or its ground is no
+            two places alike.
+        OrbitError: none was found, no heading comes back on the slope, or the cycle passes through
+            the vertical where the damping is singular. The message says how the search ended.
         ParameterError: periods or steps out of range.
 
     Example:
@@ -259,6 +267,7 @@ def cycle_of(found: Found) -> LimitCycle:
         displacement=m.displacement[0], turn=float(m.turn[0]), multipliers=multipliers[order],
         normal_force=float(m.normal_force[0]), residual=found.residual,
         steps_per_cycle=found.steps, iterations=found.iterations,
-        euler=np.array((angle[0], angle[1], 0.0)), euler_rates=rates, point=found.point,
+        euler=angle.copy(), euler_rates=rates, position=found.sight.start[0, 7:9].copy(),
+        point=found.point,
         found=found,
     )  # fmt: skip

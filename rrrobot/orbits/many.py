@@ -24,7 +24,7 @@ from rrrobot.momentum.extremes import extremes
 from rrrobot.momentum.heights import clearance
 from rrrobot.momentum.kernels import DECOUPLED, LIFT_OFF, NOT_FINITE, OK, TURNS_OVER
 from rrrobot.momentum.vertical import largest_tilt, pitch_of
-from rrrobot.orbits.section import section_of
+from rrrobot.orbits.section import level_section_of
 from rrrobot.rotations import turns_over
 
 UNSTABLE = 6
@@ -119,7 +119,7 @@ def orbits_of(
     Raises:
         ModelError: nothing brakes the model, or the ground is not level.
     """
-    section = section_of(setting, "swept")
+    section = level_section_of(setting, "swept")
     chart = Chart(
         np.array(section.angles, dtype=np.int64), np.array(section.momenta, dtype=np.int64),
         section.tilted, section.level,

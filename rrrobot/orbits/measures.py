@@ -5,6 +5,8 @@ the plane. With m the mean of the contact point over the period, the speed that
 `rrrobot.simulation.steady` takes from consecutive cycles is that of m under this motion,
 
     v = |d + (R - 1) m| / T,    alpha = psi / T,    centre c = (1 - R)^-1 d
+
+On a boulder or a bowl it is turned about the vertical through the top or the bottom: x -> R x.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from numpy.typing import NDArray
 from rrrobot.checks import Array
 from rrrobot.momentum.kernels import ANY, DECOUPLED
 from rrrobot.momentum.returns import Cycles, Seen, seen
+from rrrobot.momentum.terrain import BOULDER
 from rrrobot.rotations import turns_over
 
 _FINER = 8
@@ -57,20 +60,27 @@ def look(cycles: Cycles, y: Array, periods: int = 1) -> Seen:
     for _ in range(periods):
         parts.append(seen(cycles, state))
         state = parts[-1].end
-    joined = (np.concatenate([part[k] for part in parts], axis=1) for k in (2, 3, 4, 5))
-    return Seen(state, np.sum([part.areas for part in parts], axis=0), *joined)
+    angles, motion, lift, push = (
+        np.concatenate([part[k] for part in parts], axis=1) for k in range(3, 7)
+    )
+    areas = np.sum([part.areas for part in parts], axis=0)
+    ground = np.min([part.ground for part in parts], axis=0)
+    return Seen(y, state, areas, angles, motion, lift, push, ground)
 
 
 def measures(cycles: Cycles, sight: Seen, periods: int = 1) -> Measures:
     """Measures of orbits from a look at their period."""
     period = periods * cycles.period
-    turn, d = sight.end[:, 9], sight.end[:, 7:9]
+    turn, d = ((sight.end - sight.start)[:, k] for k in (9, slice(7, 9)))
     tumbles = turns_over(sight.motion[:, :, :3], turn)
     turn = np.where(tumbles, turn - 2 * np.pi * np.round(turn / (2 * np.pi)), turn)
     mean = sight.areas / period[:, None]
     c, s = np.cos(turn), np.sin(turn)
     m = mean[:, :2]
-    step = d + np.column_stack((c * m[:, 0] - s * m[:, 1], s * m[:, 0] + c * m[:, 1])) - m
+    terrain = cycles.setting.terrain
+    # On a boulder the motion is turned about its top; elsewhere it begins at the origin.
+    step = (0.0 if terrain is not None and terrain.ground == BOULDER else d) - m
+    step += np.column_stack((c * m[:, 0] - s * m[:, 1], s * m[:, 0] + c * m[:, 1]))
     step /= period[:, None]
     heading = mean[:, 2] + 0.5 * turn
     c, s = np.cos(heading), np.sin(heading)

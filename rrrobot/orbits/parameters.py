@@ -1,8 +1,10 @@
-"""What an orbit depends on, by name: each parameter of gait, robot, damping and gravity.
+"""What an orbit depends on, by name: each parameter of gait, robot, damping, ground and gravity.
 
 A gait's entries are `offset[0]`, `amplitude[1]`, `sine[0,1]` and so on; where all legs have the
 same, `offset` and `amplitude` stand for all. RRRobot's are those of `RRRobotParameters`; of other
-robots the radius of a spherical shell and each link's mass, its inertia growing with it.
+robots the radius of a spherical shell and each link's mass, its inertia growing with it. A slope's
+is its angle `slope`, downhill in the same direction, a boulder's `boulder_radius`, a bowl's
+`bowl_radius`.
 """
 
 from __future__ import annotations
@@ -16,10 +18,13 @@ from typing import Any
 import numpy as np
 
 from rrrobot.checks import Array
+from rrrobot.contact.boulder import Boulder
+from rrrobot.contact.ground import Ground, Plane
 from rrrobot.drive.gaits import FourierGait, Gait, SinusoidalGait
 from rrrobot.errors import GroundClearanceWarning, ParameterError
 from rrrobot.momentum.kernels import ANY
 from rrrobot.orbits.found import Case, setting_for
+from rrrobot.orbits.section import section_of
 from rrrobot.robot.robot import Robot
 
 _UNITS = {
@@ -74,7 +79,7 @@ class Parameter:
 
 def parameters_of(case: Case) -> dict[str, Parameter]:
     """All parameters of a case by name."""
-    found = [*_of_gait(case), *_of_robot(case), *_of_setting(case)]
+    found = [*_of_gait(case), *_of_robot(case), *_of_setting(case), *_of_ground(case)]
     return {parameter.name: parameter for parameter in found}
 
 
@@ -211,6 +216,39 @@ def _of_any_robot(case: Case) -> list[Parameter]:
         return masses
     shell = Parameter("shell_radius", "m", float(setting.parameters[_RADII].max()), radius, 0.0)
     return [shell, *masses]
+
+
+def _of_ground(case: Case) -> list[Parameter]:
+    model = case.model
+    if model.name == "decoupled":
+        return []
+    ground = model.ground
+
+    def with_ground(new: Ground) -> Case:
+        there = type(model)(model.robot, ground=new, damping=model.damping)
+        setting = setting_for(there)
+        section = section_of(setting, model.name)
+        return replace(case, model=there, setting=setting, section=section)
+
+    if isinstance(ground, Boulder):
+        side = math.copysign(1.0, ground.radius)
+
+        def rounded(value: float) -> Case:
+            return with_ground(replace(ground, radius=side * value))
+
+        name = "boulder_radius" if side > 0 else "bowl_radius"
+        return [Parameter(name, "m", abs(ground.radius), rounded, 0.0)]
+    if not case.section.heads:
+        return []
+    normal = ground.normal_vector
+    across = math.hypot(normal[0], normal[1])
+
+    def tilted(value: float) -> Case:
+        lean = math.sin(value) / across
+        there = (lean * normal[0], lean * normal[1], math.cos(value))
+        return with_ground(Plane(normal=there, gravity=ground.gravity))
+
+    return [Parameter("slope", "rad", math.atan2(across, normal[2]), tilted, 0.0)]
 
 
 def _of_setting(case: Case) -> list[Parameter]:

@@ -92,10 +92,11 @@ def _path(cycle: LimitCycle, ax: Axes) -> None:
     duration = periods * cycle.period
     t = cycle.trajectory(duration, cycle.period / 48)
     ax.plot(*(100 * t.position.T), color=PALE, linewidth=1.0)
-    starts = [np.zeros(2)]
+    starts, step = [cycle.position], cycle.displacement
     c, s = np.cos(cycle.turn), np.sin(cycle.turn)
     for _ in range(periods):
-        starts.append(cycle.displacement + np.array(((c, -s), (s, c))) @ starts[-1])
+        starts.append(starts[-1] + step)
+        step = np.array(((c, -s), (s, c))) @ step
     ax.plot(*(100 * np.array(starts).T), ".", color=BLACK, markersize=5, label="start of a cycle")
     tidy(ax, "x [cm]", "y [cm]")
     ax.set_aspect("equal", "datalim")

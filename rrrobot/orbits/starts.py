@@ -23,8 +23,9 @@ from rrrobot.orbits.found import LONGEST_STEP, prepared
 from rrrobot.orbits.limit_cycles import LimitCycle, limit_cycle
 from rrrobot.orbits.newton import ReturnMap, iterate
 
-_SETTLING = 400
-"""Periods before the first look."""
+_SETTLING, _SLOW = 400, 20
+"""Periods before the first look, and how many times as many where heading or place must come back,
+which they do slowly."""
 _SAME = 1e-6
 """Distance of two points of one motion, in scaled units."""
 _MOVED = 0.1
@@ -99,7 +100,8 @@ def attractors(
     Args:
         model, gait, yaw_gait: as for `limit_cycle`.
         n_starts: of them; the first is the upright impulsive start.
-        spread: half the width of the box of starts in scaled units: [rad] of tilt.
+        spread: half the width of the box of starts in scaled units: [rad] of tilt. Headings on a
+            slope are drawn from all.
         periods: of the legs, up to which a motion may take to repeat.
         seed: the same seed gives the same starts.
 
@@ -121,10 +123,13 @@ def attractors(
     P = case.map_of(max(36, int(np.ceil(case.period / LONGEST_STEP))))
     many = P._replace(cycles=replicated(P.cycles, n), scale=np.repeat(P.scale, n))
     x = width * np.random.default_rng(seed).uniform(-1, 1, (n, case.section.size))
+    section = case.section
+    if section.heads:
+        x[:, -1] *= np.pi / width
     x[0] = 0.0
-    came = case.section.point(
-        carry(many.cycles, case.section.state(x, many.scale), _SETTLING), many.scale
-    )
+    long = _SETTLING * (_SLOW if section.heads or section.curvature else 1)
+    came = section.point(carry(many.cycles, section.state(x, many.scale), long), many.scale)
+    came = section.wrapped(came)
     alive = np.all(np.isfinite(came), axis=1)
     if not alive.any():
         raise OrbitError(

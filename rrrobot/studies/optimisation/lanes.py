@@ -28,7 +28,7 @@ from rrrobot.momentum.extremes import LOADS, extremes
 from rrrobot.momentum.kernels import LIFT_OFF, OK
 from rrrobot.momentum.lowering import VERTICAL
 from rrrobot.orbits import many
-from rrrobot.orbits.section import section_of
+from rrrobot.orbits.section import level_section_of
 from rrrobot.results import completed
 from rrrobot.studies.optimisation.table import Joints, Table, columns
 
@@ -168,6 +168,6 @@ def engine_of(model: Model, settle_time: float, settle: str = "cycles") -> Engin
         raise ParameterError(f"settle is {settle!r}: it must be 'cycles' or 'orbit'.")
     setting = lower(model)._replace(limit=VERTICAL)
     if settle == "orbit":
-        section_of(setting, model.name)
+        level_section_of(setting, model.name)
         return Orbits(setting, settle_time)
     return Cycles(setting, settle_time)

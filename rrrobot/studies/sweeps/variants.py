@@ -39,13 +39,13 @@ def engine_of(model: Model, settle: str = "cycles") -> tuple[Engine, Any]:
     """
     from rrrobot.momentum.batch import decoupled_setting, lower, steady_states
     from rrrobot.orbits.many import orbit_states
-    from rrrobot.orbits.section import section_of
+    from rrrobot.orbits.section import level_section_of
 
     if settle not in ("cycles", "orbit"):
         raise ParameterError(f"settle is {settle!r}: it must be 'cycles' or 'orbit'.")
     if settle == "orbit":
         setting = engine_of(model)[1]
-        section_of(setting, model.name)
+        level_section_of(setting, model.name)
         return orbit_states, setting
     if isinstance(model, DecoupledModels):
         return steady_states, decoupled_setting(model.robot, *model.models)  # type: ignore[arg-type]
