@@ -176,19 +176,22 @@ def test_a_robot_that_tips_over_is_said_to_and_the_page_lives_on(page, lab):
     session = latest(lab)
     before = shown(page, "speed")
     tab(page, "Robot")
-    type_into(page, "leg mass [g]", "150")
-    type_into(page, "servo mass [g]", "200")
-    type_into(page, "battery [g]", "20")
+    masses = ("leg mass [g]", "servo mass [g]", "battery [g]")
+
+    def choose(values):
+        for k, (label, value) in enumerate(zip(masses, values, strict=True)):
+            type_into(page, label, str(value))
+            wait_until(lambda k=k, value=value: abs(1e3 * session.knobs.body[k] - value) < 1e-6)
+
+    choose((150, 200, 20))
     wait_until(lambda: "No settled motion" in refused(page))
     type_into(page, "slope [deg]", "6")
     wait_until(lambda: "tips over" in refused(page))
     assert "last good path is kept" in refused(page)
     assert shown(page, "speed") == session.outcome.speed
-    for label, value in (
-        ("slope [deg]", "0"), ("leg mass [g]", "57"), ("servo mass [g]", "53"),
-        ("battery [g]", "300"),
-    ):  # fmt: skip
-        type_into(page, label, value)
+    type_into(page, "slope [deg]", "0")
+    wait_until(lambda: session.knobs.slope == 0.0)
+    choose((57, 53, 300))
     wait_until(lambda: session.settled() and not refused(page))
     wait_until(lambda: abs(shown(page, "speed") / before - 1) < 1e-4)
     assert not page.problems
