@@ -50,6 +50,7 @@ clean:
 	  || { rm -rf .venv .tools; echo "$(PYTHON) can make no virtual environment: install its venv module"; exit 1; }
 
 .venv/.base: .venv/bin/pip pyproject.toml
+	@echo "once: downloads Pinocchio, Matplotlib, Numba and others into .venv, which takes minutes"
 	$(BIN)/pip install -q -e .
 	@touch $@
 

@@ -19,6 +19,7 @@ from rrrobot.files import make_folder
 from rrrobot.orbits.oscillations import table_3
 from rrrobot.paper.table4 import PAPER, Table4, table_4
 from rrrobot.robot.robot import Robot
+from rrrobot.simulation.steady import SteadyState
 from rrrobot.studies.comparison import MODELS, Comparison, compare
 
 _AXES = ("roll", "pitch", "yaw")
@@ -116,10 +117,10 @@ def _side_by_side(found: Comparison) -> str:
         ("curvature [1/m]", *(_number(s.curvature) for s in found.states.values())),
         ("  ratio", *(_ratio(found.ratio(m, "curvature")) for m in found.states)),
     ]
+    states = list(found.states.values())
     for i, axis in enumerate(_AXES):
         for key in ("amplitude", "phase", "mean"):
-            values = (math.degrees(getattr(s, key)[i]) for s in found.states.values())
-            rows.append((f"{axis} {key} [deg]", *(f"{v:.3f}" for v in values)))
+            rows.append((f"{axis} {key} [deg]", *(_degrees(s, key, i) for s in states)))
     text = _grid(head, rows)
     if found.yaw_amplitude_factor is not None:
         text += (
@@ -127,6 +128,13 @@ def _side_by_side(found: Comparison) -> str:
             "(Fig 20)."
         )
     return text
+
+
+def _degrees(state: SteadyState, key: str, axis: int) -> str:
+    """An angle's amplitude, phase or mean [deg]; what does not oscillate has no phase."""
+    if key == "phase" and not round(math.degrees(state.amplitude[axis]), 3):
+        return "-"
+    return f"{math.degrees(getattr(state, key)[axis]):.3f}"
 
 
 def _plane(robot: Robot, grid: tuple[int, int]) -> Table4:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import click
 
 from rrrobot.cli.options.drive import GaitOptions
 from rrrobot.cli.options.group import takes
 from rrrobot.cli.options.robot import RobotOptions
-from rrrobot.cli.report import tell
+from rrrobot.cli.report import gait_words, tell
 from rrrobot.cli.types import NUMBER
 from rrrobot.drive.tables import gait_table, write_gait
 from rrrobot.errors import OutputError
@@ -58,8 +59,9 @@ def gait_command(
     body = robot.build_level()
     legs = gait.build(body, robot)
     written: list[Path] = []
-    data = {"gait": legs.to_dict(), "period": legs.period, "legs": list(body.legs)}
-    text = f"{legs!r}, period {legs.period or float('nan'):.6g} s"
+    data: dict[str, Any] = {"gait": legs.to_dict(), "period": legs.period, "legs": list(body.legs)}
+    period = "no period" if legs.period is None else f"period {legs.period:.6g} s"
+    text = f"{gait_words(data['gait'])}, {period}"
     if target is not None and target.suffix.lower() == ".json":
         written.append(write_gait(legs, target))
     elif target is not None:

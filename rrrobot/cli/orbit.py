@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,6 +15,7 @@ from rrrobot.cli.report import tell
 from rrrobot.drawing import write_figure
 from rrrobot.files import check_writable
 from rrrobot.inline import aligned
+from rrrobot.simulation.steady import oscillation
 
 if TYPE_CHECKING:
     from rrrobot.orbits.limit_cycles import LimitCycle
@@ -91,10 +91,7 @@ def _table(cycle: LimitCycle) -> str:
     ]
     for i, name in enumerate(("roll", "pitch", "yaw")):
         angles = (cycle.amplitude[i], cycle.phase[i], cycle.mean[i])
-        swing, phase, mean = (math.degrees(value) for value in angles)
-        rows.append(
-            (name, f"amplitude {swing:.3f} deg, phase {phase:.1f} deg, mean {mean:.3f} deg")
-        )
+        rows.append((name, oscillation(*angles)))
     for m, time, rate in zip(
         cycle.multipliers, cycle.settling_times, cycle.frequencies, strict=True
     ):

@@ -14,7 +14,7 @@ import numpy as np
 from rrrobot.checks import Array
 from rrrobot.errors import ParameterError
 from rrrobot.inline import aligned, percent
-from rrrobot.simulation.steady import steady_state
+from rrrobot.simulation.steady import oscillation, steady_state
 from rrrobot.simulation.trajectory import Trajectory
 
 _AXES = ("roll", "pitch", "yaw")
@@ -67,7 +67,7 @@ def table(data: Mapping[str, Any]) -> str:
     rows: list[tuple[str, str]] = [
         ("robot", f"{data['robot']['name']}, {data['robot']['mass']:.4g} kg"),
         ("model", str(data["model"]["type"])),
-        ("gait", _gait(data["gait"])),
+        ("gait", gait_words(data["gait"])),
         ("duration", f"{data['duration']:g} s, {data['samples']} samples"),
         *_settled_rows(data),
         ("contact point at the end", _list(data["end"]["position"], "mm", 1000.0)),
@@ -129,20 +129,13 @@ def _settled_rows(data: Mapping[str, Any]) -> list[tuple[str, str]]:
         ),
     ]
     for i, name in enumerate(_AXES):
-        amplitude, phase, mean = (
-            math.degrees(settled[key][i]) for key in ("amplitude", "phase", "mean")
-        )
-        rows.append(
-            (
-                f"  {name}",
-                f"amplitude {amplitude:.3f} deg, phase {phase:.1f} deg, mean {_rounded(mean, 3)} "
-                "deg",
-            )
-        )
+        angles = (settled[key][i] for key in ("amplitude", "phase", "mean"))
+        rows.append((f"  {name}", oscillation(*angles)))
     return rows
 
 
-def _gait(gait: Mapping[str, Any]) -> str:
+def gait_words(gait: Mapping[str, Any]) -> str:
+    """A gait's `to_dict` in one line."""
     kind = gait.get("type")
     if kind == "sinusoidal":
         return (
@@ -150,7 +143,7 @@ def _gait(gait: Mapping[str, Any]) -> str:
             f"{_list(gait['angular_frequency'])} rad/s, phase {_list(gait['phase'])} rad"
         )
     if kind == "ramp_in":
-        return f"{_gait(gait['gait'])}, blended in over {gait['duration']:g} s"
+        return f"{gait_words(gait['gait'])}, blended in over {gait['duration']:g} s"
     if kind == "still":
         return f"legs held at {_list(gait['angle'])} rad"
     if kind == "torques":

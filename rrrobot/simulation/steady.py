@@ -173,16 +173,28 @@ class SteadyState:
             ("yaw rate", f"{np.rad2deg(self.yaw_rate) + 0.0:.4f} deg/s"),
             ("curvature", f"{self.curvature + 0.0:.4g} 1/m"),
             *(
-                (
-                    axis,
-                    f"amplitude {np.rad2deg(amplitude):.3f} deg, "
-                    f"phase {np.rad2deg(phase):.1f} deg, mean {np.rad2deg(mean) + 0.0:.3f} deg",
-                )
+                (axis, oscillation(amplitude, phase, mean))
                 for axis, amplitude, phase, mean in every
             ),
             ("counted", f"{self.cycles} cycles of {self.period:.4g} s from {self.after:.4g} s"),
             ("steps vary by", percent(self.variation)),
         ]
+
+
+def oscillation(amplitude: float, phase: float, mean: float) -> str:
+    """An angle about mean + amplitude sin(omega t + phase) [rad] in words, in degrees.
+
+    An amplitude that is shown as zero has no phase.
+
+    Examples:
+        >>> oscillation(0.25, 1.0, 0.0)
+        'amplitude 14.324 deg, phase 57.3 deg, mean 0.000 deg'
+        >>> oscillation(2e-6, 1.0, 0.1)
+        'amplitude 0.000 deg, phase -, mean 5.730 deg'
+    """
+    swing = f"{np.rad2deg(amplitude):.3f}"
+    at = f"{np.rad2deg(phase):.1f} deg" if float(swing) else "-"
+    return f"amplitude {swing} deg, phase {at}, mean {round(np.rad2deg(mean), 3) + 0.0:.3f} deg"
 
 
 def steady_state(

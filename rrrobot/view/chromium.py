@@ -143,8 +143,8 @@ class Browser:
     def png(self) -> bytes:
         """The page as it looks now, without its controls."""
         was = json.dumps(self.run("page.still"))
-        self.run("page.hold(true); viewer.render()")
-        answer = self.call("Page.captureScreenshot", format="png")
+        self.run("page.hold(true); if (viewer.needs_render) viewer.render()")
+        answer = self.call("Page.captureScreenshot", format="png", optimizeForSpeed=True)
         self.run(f"page.hold({was})")
         return base64.b64decode(answer["data"])
 
