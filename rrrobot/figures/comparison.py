@@ -19,6 +19,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+START_CYCLES = 8
+"""Of the legs; by then the rocking of the start has died out in the paper's gaits."""
 TITLES = {
     "full": "full model",
     "pivoting": "pivoting model",
@@ -40,7 +42,7 @@ def contact_paths(
         models: which.
         marks: times at which the place is marked [s].
     """
-    figure = new_figure(4.2 * len(models), 4.2)
+    figure = new_figure(3.6 * len(models), 3.6)
     for i, name in enumerate(models):
         ax = figure.add_subplot(1, len(models), i + 1)
         path_panel(ax, comparison.trajectories[name], marks)
@@ -66,7 +68,7 @@ def path_panel(ax: Axes, trajectory: Trajectory, marks: tuple[float, ...]) -> Ax
     ax.plot(x, y, color=PALE, linewidth=0.7)
     mean = cycle_means(trajectory)
     if mean is not None:
-        mx, my = 100 * mean.T
+        mx, my = 100 * mean[1].T
         ax.plot(mx, my, color=BLACK, linewidth=1.4)
         ax.annotate(
             "",
@@ -76,12 +78,7 @@ def path_panel(ax: Axes, trajectory: Trajectory, marks: tuple[float, ...]) -> Ax
         )
     for mark in marks:
         if mark <= trajectory.time[-1] + 1e-9:
-            i = int(np.argmin(np.abs(trajectory.time - mark)))
-            at = (
-                mean[_nearest(trajectory, mark, len(mean))] * 100
-                if mean is not None
-                else (x[i], y[i])
-            )
+            at = 100 * _place(trajectory, mean, mark)
             ax.plot(*at, "o", color=BLACK, markersize=4, markerfacecolor="white")
             ax.annotate(
                 f"{mark:g} s", at, (8, 6), textcoords="offset points", fontsize=FONT - 1,
@@ -92,19 +89,30 @@ def path_panel(ax: Axes, trajectory: Trajectory, marks: tuple[float, ...]) -> Ax
     return ax
 
 
-def cycle_means(trajectory: Trajectory) -> Array | None:
-    """Contact point averaged over the gait's period around each sample (n, 2) [m]; None without
-    a period. Windows that would reach over an end are left out."""
+def cycle_means(trajectory: Trajectory) -> tuple[Array, Array] | None:
+    """Times (n,) [s] and the contact point's mean over the gait's period around each (n, 2) [m].
+
+    Windows that would reach over an end are left out, and in a run of more than twice as many the
+    first cycles too: the rocking of the start is no drift, and its mean a tangle. None if nothing
+    is left.
+    """
     period = trajectory.period
     if period is None or period > trajectory.time[-1]:
         return None
-    return cycle_mean(trajectory.time, trajectory.position, period)[1]
+    time, mean = cycle_mean(trajectory.time, trajectory.position, period)
+    if trajectory.time[-1] > 2 * START_CYCLES * period:
+        later = time >= START_CYCLES * period
+        time, mean = time[later], mean[later]
+    return time, mean
 
 
-def _nearest(trajectory: Trajectory, mark: float, n: int) -> int:
-    period = trajectory.period or 0.0
-    first = int(np.searchsorted(trajectory.time, period / 2))
-    return int(np.clip(np.argmin(np.abs(trajectory.time - mark)) - first, 0, n - 1))
+def _place(trajectory: Trajectory, mean: tuple[Array, Array] | None, mark: float) -> Array:
+    """Of the mean at a time, or of its end; of the contact point before the mean begins."""
+    times, places = trajectory.time, trajectory.position
+    if mean is not None and mark >= mean[0][0]:
+        times, places = mean
+    place: Array = places[int(np.argmin(np.abs(times - mark)))]
+    return place
 
 
 def single_axis(
@@ -120,7 +128,7 @@ def single_axis(
         models: which, the first on top.
         window: times of the angle panels [s]; the whole run if None.
     """
-    figure = new_figure(8.6, 6.0)
+    figure = new_figure(7.2, 5.2)
     grid = figure.add_gridspec(3, 2, width_ratios=(1.25, 1))
     for axis, label in enumerate(("roll", "pitch", "yaw")):
         ax = figure.add_subplot(grid[axis, 0])
@@ -143,10 +151,10 @@ def single_axis(
         ax.plot(*100 * t.position.T, color=style["color"], linewidth=0.4, alpha=0.35)
         mean = cycle_means(t)
         if mean is not None:
-            ax.plot(*100 * mean.T, **(style | {"linewidth": 2.0}))
+            ax.plot(*100 * mean[1].T, **(style | {"linewidth": 2.0}))
     ax.set_aspect("equal", adjustable="datalim")
     tidy(ax, "x [cm]", "y [cm]")
-    ax.set_title("contact point, thick: cycle mean", fontsize=FONT)
+    ax.set_title("contact point; thick: mean of a cycle", fontsize=FONT)
     return figure
 
 
@@ -170,7 +178,7 @@ def rolling_shell(
         raise ModelError(f"rolling_shell draws a sphere; this robot has {trajectory.robot.shell}.")
     instants = np.linspace(0, trajectory.time[-1], 3) if times is None else times
     instants = vector("times", instants, np.size(instants), "s")
-    figure = new_figure(7.6, 5.6)
+    figure = new_figure(6.4, 5.0)
     ax: Any = figure.add_subplot(projection="3d", computed_zorder=False)
     for instant in instants:
         sample = int(np.argmin(np.abs(trajectory.time - instant)))
@@ -181,8 +189,8 @@ def rolling_shell(
     ax.plot(x, y, 0 * x, color="#BB5566", linewidth=0.7, zorder=8)
     mean = cycle_means(trajectory)
     if mean is not None:
-        ax.plot(*100 * mean.T, 0, color=BLACK, linewidth=2.0, zorder=9)
-        ax.plot(*100 * mean[-1][:, None], 0, "o", color=BLACK, markersize=4, zorder=9)
+        ax.plot(*100 * mean[1].T, 0, color=BLACK, linewidth=2.0, zorder=9)
+        ax.plot(*100 * mean[1][-1][:, None], 0, "o", color=BLACK, markersize=4, zorder=9)
     ax.set_aspect("equal")
     ax.view_init(*view)
     for label, which in (("x [cm]", "x"), ("y [cm]", "y"), ("z [cm]", "z")):

@@ -25,6 +25,11 @@ if TYPE_CHECKING:
 
 SLOW = 2e-4
 """Speed below which a curvature is not drawn [m/s]."""
+_SPOT, _CLEAR = 0.12, 0.1
+"""Parts of the largest speed or yaw rate: a curve within the first is a spot and gets no label; a
+label at the second from all other curves stands clear."""
+_TEXT = np.array((0.32, 0.16))
+"""Room of a label in the same parts."""
 _SHOWN = {"m/s": ("mm/s", 1000.0), "rad": ("deg", 180 / np.pi), "m": ("mm", 1000.0), "1": ("", 1.0)}
 """Unit of the data -> unit of a colour bar, and the factor."""
 _SYMBOLS = {"speed": "v", "yaw_rate": r"$\alpha$", "curvature": "K", "velocity_y": "v"}
@@ -89,7 +94,7 @@ def side_by_side(
         left, right: such as `full.pitch_amplitude` and `pitch.pitch_amplitude`.
         titles: of the panels.
     """
-    figure, pair = new_figure(8.4, 3.7), (left, right)
+    figure, pair = new_figure(7.2, 3.3), (left, right)
     known = np.concatenate([np.ravel(values)[np.isfinite(np.ravel(values))] for values in pair])
     limits = (float(known.min()), float(known.max())) if known.size else None
     panels = list(figure.subplots(1, 2))
@@ -107,7 +112,7 @@ def translation(ds: xr.Dataset) -> Figure:
     The curvature is drawn where the speed is at least 0.2 mm/s, and its colours end where nine
     tenths of it lie.
     """
-    figure = new_figure(11.4, 3.5)
+    figure = new_figure(9.0, 3.2)
     curvature = ds.curvature.where(ds.speed >= SLOW)
     largest = float(np.nanquantile(np.abs(curvature), 0.9)) if curvature.notnull().any() else 1.0
     for i, values in enumerate((ds.speed, ds.yaw_rate, curvature)):
@@ -121,7 +126,7 @@ def translation(ds: xr.Dataset) -> Figure:
 
 def amplitudes(ds: xr.Dataset) -> Figure:
     """Amplitudes of roll, pitch and yaw over two dimensions."""
-    figure = new_figure(11.4, 3.5)
+    figure = new_figure(9.0, 3.2)
     for i, axis in enumerate(("roll", "pitch", "yaw")):
         ax = value_map(ds[f"{axis}_amplitude"], figure.add_subplot(1, 3, i + 1))
         ax.set_title(f"({'abc'[i]}) {axis} amplitude", fontsize=FONT)
@@ -140,14 +145,15 @@ def inverse(ds: xr.Dataset, *, curves: int = 9) -> Figure:
         ds: over two dimensions.
         curves: at most this many in each panel.
     """
-    figure = new_figure(9.6, 4.4)
+    figure = new_figure(7.2, 3.5)
     table = _two_dimensions(ds.velocity_y)
     for i, (dim, axis) in enumerate(zip(table.dims, (0, 1), strict=True)):
         ax = figure.add_subplot(1, 2, i + 1)
         v = 1000 * np.moveaxis(table.to_numpy(), axis, 0)
         alpha = np.moveaxis(_two_dimensions(ds.yaw_rate).to_numpy(), axis, 0)
-        ax.plot(v, alpha, ".", color="#CCCCCC", markersize=1.5, zorder=1)
+        ax.plot(v, alpha, ".", color="#DDDDDD", markersize=1.5, zorder=1)
         _curves(ax, v, alpha, table[dim], curves)
+        ax.margins(x=0.12)
         tidy(ax, "v along the leg axis [mm/s]", r"$\alpha$ [rad/s]" if not i else "")
         ax.set_title(f"({'ab'[i]}) curves of equal {_label(table[dim])}", fontsize=FONT)
     return figure
@@ -162,17 +168,17 @@ def modulation(values: xr.DataArray, ax: Axes | None = None) -> Axes:
     ax = new_axes() if ax is None else ax
     known = values.dropna("offset").sortby("offset")
     offset, amplitude = known.offset.to_numpy(), known.to_numpy()
-    ax.plot(offset, amplitude, marker="o", markersize=3, label="yaw model", **line(0))
+    ax.plot(offset, amplitude, label="yaw model", **line(0))
     if known.size:
         ends = (float(values.offset.min()), offset[0], offset[-1], float(values.offset.max()))
-        for low, high in (ends[:2], ends[2:]):
-            ax.axvspan(low, high, color="#EEEEEE", zorder=0)
+        for label, low, high in (("no amplitude does", *ends[:2]), (None, *ends[2:])):
+            ax.axvspan(low, high, color="#E6E6E6", zorder=0, label=label)
         between = [
             float(at) for at in values.offset[values.isnull()] if offset[0] < at < offset[-1]
         ]
         ax.plot(between, np.interp(between, offset, amplitude), "o", markersize=5,
                 markerfacecolor="white", markeredgecolor=line(0)["color"], linestyle="none",
-                label="limit: the full model does not turn")  # fmt: skip
+                label="limit: no turning")  # fmt: skip
     own = float(values.amplitude)
     ax.axhline(own, color=GREY, linestyle="--", linewidth=1.0, label="full model")
     tidy(ax, _label(values.offset), "leg amplitude [rad]")
@@ -204,25 +210,29 @@ def _scaled(
 
 
 def _curves(ax: Axes, v: Array, alpha: Array, values: xr.DataArray, curves: int) -> None:
-    """Some rows of (v, alpha) as smooth lines, each with its value where it is farthest out."""
+    """Some rows of (v, alpha) as smooth lines, each with its value where no other one is near."""
     from matplotlib.patheffects import withStroke
+    from scipy.spatial.distance import cdist
 
     numbers = np.unique(np.linspace(0, len(v) - 1, min(curves, len(v))).round().astype(int))
     scale = [np.nanmax(np.abs(part), initial=0.0) or 1.0 for part in (v, alpha)]
+    smooth = [_smooth(np.column_stack((v[i], alpha[i]))) for i in numbers]
     taken: list[Array] = []
-    for k, i in enumerate(numbers.tolist()):
-        style = line(k)
-        curve = np.column_stack((v[i], alpha[i]))
-        ax.plot(*_smooth(curve).T, zorder=2, **style)
+    for k, (i, curve) in enumerate(zip(numbers.tolist(), smooth, strict=True)):
+        ax.plot(*curve.T, zorder=2, **line(k))
         unit = curve / scale
         out = np.hypot(*unit.T)
-        if not np.nanmax(out, initial=0.0) > 0.05:
+        if not np.nanmax(out, initial=0.0) > _SPOT:
             # The robot hardly moves, and all such curves lie on one spot.
             continue
-        # The farthest point at which no other label stands.
-        far = sorted(np.flatnonzero(out > 0.6 * np.nanmax(out)), key=lambda j: -out[j])
-        free = [j for j in far if all(np.hypot(*(unit[j] - at)) > 0.15 for at in taken)]
-        at = free[0] if free else far[0]
+        # Far out, clear of other labels, then of other curves.
+        far = np.flatnonzero(out > 0.6 * np.nanmax(out))
+        others = np.concatenate([other / scale for j, other in enumerate(smooth) if j != k])
+        others = others[np.isfinite(others).all(axis=1)]
+        alone = cdist(unit[far], others).min(axis=1, initial=_CLEAR)
+        apart = cdist(unit[far] / _TEXT, np.reshape(taken, (-1, 2)) / _TEXT, "chebyshev")
+        crowded = apart.min(axis=1, initial=1.0) < 1
+        at = far[np.argmax(alone + 0.05 * out[far] - crowded)]
         taken.append(unit[at])
         side = -1 if unit[at, 0] < -0.02 else 1
         ax.annotate(_multiple_of_pi(float(values[i])), tuple(curve[at]), (3 * side, 3),

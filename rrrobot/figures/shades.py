@@ -31,7 +31,7 @@ than black contours on it can bear."""
 _BOTH_SIDES = 0.02
 """Values are signed if the lesser side is more than this part of the larger."""
 _HALF_TURN = 180.0
-_APART = 0.06
+_APART = 0.09
 """Least distance of two contour labels, as a part of the axes."""
 _ROUNDING = 1e-6
 """Part of the largest value below which a difference is of the integration alone."""
@@ -76,7 +76,10 @@ class Shades:
         return ListedColormap(rows)
 
     def levels(self) -> Array:
-        """Values that get a contour; zero is one of them where it is between the limits."""
+        """Values that get a contour; zero is one of them where it is between the limits.
+
+        An amount that touches zero from above has none there: it would be rounding's.
+        """
         from matplotlib.ticker import MaxNLocator
 
         if self.kind == "angle":
@@ -85,7 +88,8 @@ class Shades:
         if self.high - self.low < 1e-9 * scale:
             return np.empty(0)
         levels = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10]).tick_values(self.low, self.high)
-        return np.where(np.abs(levels) < 1e-9 * scale, 0.0, levels)
+        levels = np.where(np.abs(levels) < 1e-9 * scale, 0.0, levels)
+        return levels[levels > self.low + _ROUNDING * scale] if self.kind == "amount" else levels
 
     def draw(self, ax: Axes, x: Array, y: Array, data: Any) -> Any:
         """Colours and contours of masked data (rows, columns); returns the image for a bar."""

@@ -29,13 +29,15 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+_WINDOW = (0.0, 12.0)
+"""Times of the angles of Figs 15 and 16 [s]: longer, the cycles of two models run together."""
 _SWING = 0.5
 """Angle of the pale positions of the schematic figures [rad]."""
 
 
 def fig_1(robot: Robot) -> Figure:
     """The robot with its masses, lettered as in the paper, its lengths and its leg angles."""
-    figure = new_figure(9.0, 4.6)
+    figure = new_figure(7.2, 4.0)
     left, right = figure.subplots(1, 2)
     angles = np.linspace(0.25, 0.6, robot.n_legs) * np.pi
     schematic(robot, "front", left)
@@ -55,7 +57,7 @@ def fig_2(trajectory: Trajectory) -> Figure:
 
 def fig_3(robot: Robot) -> Figure:
     """The pivoting model in two parts: (a) the pivoted robot, (b) the shell rolling on a plane."""
-    figure = new_figure(9.0, 3.8)
+    figure = new_figure(7.2, 3.1)
     left, right = figure.subplots(1, 2)
     for i, pitch in enumerate((-_SWING, _SWING, 0.0)):
         schematic(robot, "side", left, euler=(0, pitch, 0), pivoted=True, pale=i < 2)
@@ -102,7 +104,7 @@ def fig_9(robot: Robot) -> Figure:
 
 def fig_10(robot: Robot) -> Figure:
     """The yaw freedom: (a) from above, (b) pivoted at the centre."""
-    figure = new_figure(9.0, 3.8)
+    figure = new_figure(7.2, 3.1)
     left, right = figure.subplots(1, 2)
     for i, yaw in enumerate((-_SWING, _SWING, 0.0)):
         schematic(robot, "top", left, leg_angle=np.pi / 4, euler=(0, 0, yaw), pale=i < 2)
@@ -132,12 +134,12 @@ def fig_14(full: xr.Dataset, pitch: xr.Dataset, yaw: xr.Dataset) -> Figure:
 
 def fig_15(comparison: Comparison) -> Figure:
     """Body angles and contact path of the lateral gait: full and single-axis models."""
-    return single_axis(comparison)
+    return single_axis(comparison, window=_WINDOW)
 
 
 def fig_16(comparison: Comparison) -> Figure:
     """Body angles and contact path of the circular gait: full and single-axis models."""
-    return single_axis(comparison)
+    return single_axis(comparison, window=_WINDOW)
 
 
 def fig_17(trajectories: dict[str, Trajectory]) -> Figure:
@@ -184,7 +186,7 @@ def _freedom(robot: Robot, view: str, axis: int, name: str) -> Figure:
 
 
 def _pendulum(swings: Sequence[Trajectory], period: float, *, pivoted: bool) -> Figure:
-    figure = new_figure(9.4, 3.6)
+    figure = new_figure(7.2, 2.9)
     left, right = figure.subplots(1, 2, width_ratios=(1.1, 1.5))
     for i, pitch in enumerate((-_SWING, _SWING, 0.0)):
         schematic(swings[0].robot, "side", left, euler=(0, pitch, 0), pivoted=pivoted, pale=i < 2)
@@ -201,3 +203,4 @@ def _pendulum(swings: Sequence[Trajectory], period: float, *, pivoted: bool) -> 
 
 def _label(ax: Axes, text: str) -> None:
     ax.set_title(text, fontsize=FONT + 1)
+    ax.locator_params(axis="x", nbins=5)

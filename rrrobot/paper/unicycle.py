@@ -83,7 +83,7 @@ def unicycle(trajectories: dict[str, Trajectory]) -> Figure:
     Args:
         trajectories: of one robot, by the name of the gait.
     """
-    figure = new_figure(3.6 * (1 + len(trajectories)), 3.9)
+    figure = new_figure(2.4 * (1 + len(trajectories)), 3.6)
     panels = figure.subplots(1, 1 + len(trajectories))
     robot = next(iter(trajectories.values())).robot
     _from_above(schematic(robot, "top", panels[0], leg_angle=np.pi / 4))
@@ -96,9 +96,9 @@ def unicycle(trajectories: dict[str, Trajectory]) -> Figure:
         tidy(ax, "x [cm]", "y [cm]")
         ax.set_title(
             f"{name}: {1000 * found.error:.2f} mm off in {1000 * found.length:.0f} mm",
-            fontsize=FONT, pad=20,
+            fontsize=FONT, pad=30,
         )  # fmt: skip
-        legend_above(ax)
+        legend_above(ax, columns=1)
     return figure
 
 
@@ -115,4 +115,4 @@ def _from_above(ax: Axes) -> None:
     turn_arrow(ax, (0.0, -1.75 * reach), 0.4 * reach, r"$\alpha$")
     ax.set_ylim(-2.0 * reach, 2.0 * reach)
     ax.locator_params(axis="x", nbins=3)
-    ax.set_title("wheel in the plane of the leg axis", fontsize=FONT, pad=20)
+    ax.set_title("wheel along the leg axis", fontsize=FONT, pad=6)

@@ -89,6 +89,22 @@ class Workshop:
 
         return amplitude_modulation(self.robot, self.plane("full"))
 
+    @cached_property
+    def modulation_curve(self) -> xr.DataArray:
+        """`modulation` on a four times finer row, for Fig 20: it falls steeply to its ends."""
+        from rrrobot.studies.modulation import amplitude_modulation
+
+        row = sweep(
+            self.full,
+            offset=np.linspace(0.0, np.pi, 4 * (self.offset.size - 1) + 1),
+            phase_difference=(np.pi / 2, np.pi),
+            amplitude=AMPLITUDE,
+            angular_frequency=FREQUENCY,
+            cycles=CYCLES,
+            progress=False,
+        )
+        return amplitude_modulation(self.robot, row)
+
     @property
     def yaw_amplitude(self) -> xr.DataArray:
         """`modulation` with its gaps, where nothing drifts, filled in linearly."""
