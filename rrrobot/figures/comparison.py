@@ -78,7 +78,7 @@ def path_panel(ax: Axes, trajectory: Trajectory, marks: tuple[float, ...]) -> Ax
         )
     for mark in marks:
         if mark <= trajectory.time[-1] + 1e-9:
-            at = 100 * _place(trajectory, mean, mark)
+            at = tuple(100 * _place(trajectory, mean, mark))
             ax.plot(*at, "o", color=BLACK, markersize=4, markerfacecolor="white")
             ax.annotate(
                 f"{mark:g} s", at, (8, 6), textcoords="offset points", fontsize=FONT - 1,

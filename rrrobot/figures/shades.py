@@ -87,8 +87,8 @@ class Shades:
         scale = max(abs(self.low), abs(self.high), 1e-12)
         if self.high - self.low < 1e-9 * scale:
             return np.empty(0)
-        levels = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10]).tick_values(self.low, self.high)
-        levels = np.where(np.abs(levels) < 1e-9 * scale, 0.0, levels)
+        ticks = MaxNLocator(10, steps=[1, 2, 2.5, 5, 10]).tick_values(self.low, self.high)
+        levels: Array = np.where(np.abs(ticks) < 1e-9 * scale, 0.0, ticks)
         return levels[levels > self.low + _ROUNDING * scale] if self.kind == "amount" else levels
 
     def draw(self, ax: Axes, x: Array, y: Array, data: Any) -> Any:
