@@ -8,7 +8,8 @@ from click.testing import CliRunner
 
 import rrrobot as rr
 from rrrobot.cli.main import cli
-from rrrobot.figures.comparison import contact_paths, cycle_means, rolling_shell, single_axis
+from rrrobot.figures.comparison import contact_paths, rolling_shell, single_axis
+from rrrobot.simulation.plots import mean_path
 from rrrobot.paper.table4 import PAPER
 from rrrobot.studies.comparison import scaled
 
@@ -115,10 +116,10 @@ def test_figures_show_the_data(circular):
     assert shell.axes[0].get_zlabel() == "z [cm]"
 
 
-def test_cycle_means_of_a_known_path(circular):
+def test_mean_path_of_a_known_run(circular):
     """Means over a period at the sample times, of direct integration, after the start."""
     t = circular.trajectories["full"]
-    time, means = cycle_means(t)
+    time, means = mean_path(t)
     assert time[0] == pytest.approx(8 * t.period, abs=t.time[1])
     assert time[-1] == pytest.approx(t.time[-1] - t.period / 2, abs=t.time[1])
     k = 1000

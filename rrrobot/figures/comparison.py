@@ -11,7 +11,7 @@ from rrrobot.contact.surfaces import Sphere
 from rrrobot.drawing import BLACK, FONT, GREY, PALE, legend_above, line, new_figure, tidy
 from rrrobot.errors import ModelError
 from rrrobot.rotations import rotation_from_quaternion
-from rrrobot.simulation.plots import cycle_mean
+from rrrobot.simulation.plots import mean_path
 from rrrobot.simulation.trajectory import Trajectory
 from rrrobot.studies.comparison import Comparison
 
@@ -19,8 +19,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-START_CYCLES = 8
-"""Of the legs; by then the rocking of the start has died out in the paper's gaits."""
 TITLES = {
     "full": "full model",
     "pivoting": "pivoting model",
@@ -66,7 +64,7 @@ def path_panel(ax: Axes, trajectory: Trajectory, marks: tuple[float, ...]) -> Ax
     """The contact point's path on one axes: oscillation pale, cycle mean solid, times marked."""
     x, y = 100 * trajectory.position.T
     ax.plot(x, y, color=PALE, linewidth=0.7)
-    mean = cycle_means(trajectory)
+    mean = mean_path(trajectory)
     if mean is not None:
         mx, my = 100 * mean[1].T
         ax.plot(mx, my, color=BLACK, linewidth=1.4)
@@ -87,23 +85,6 @@ def path_panel(ax: Axes, trajectory: Trajectory, marks: tuple[float, ...]) -> Ax
     ax.set_aspect("equal", adjustable="datalim")
     tidy(ax, "x [cm]", "y [cm]")
     return ax
-
-
-def cycle_means(trajectory: Trajectory) -> tuple[Array, Array] | None:
-    """Times (n,) [s] and the contact point's mean over the gait's period around each (n, 2) [m].
-
-    Windows that would reach over an end are left out, and in a run of more than twice as many the
-    first cycles too: the rocking of the start is no drift, and its mean a tangle. None if nothing
-    is left.
-    """
-    period = trajectory.period
-    if period is None or period > trajectory.time[-1]:
-        return None
-    time, mean = cycle_mean(trajectory.time, trajectory.position, period)
-    if trajectory.time[-1] > 2 * START_CYCLES * period:
-        later = time >= START_CYCLES * period
-        time, mean = time[later], mean[later]
-    return time, mean
 
 
 def _place(trajectory: Trajectory, mean: tuple[Array, Array] | None, mark: float) -> Array:
@@ -149,7 +130,7 @@ def single_axis(
         t = comparison.trajectories[name]
         style = line(i)
         ax.plot(*100 * t.position.T, color=style["color"], linewidth=0.4, alpha=0.35)
-        mean = cycle_means(t)
+        mean = mean_path(t)
         if mean is not None:
             ax.plot(*100 * mean[1].T, **(style | {"linewidth": 2.0}))
     ax.set_aspect("equal", adjustable="datalim")
@@ -187,7 +168,7 @@ def rolling_shell(
     # Over the shells, as if they were of glass.
     x, y = 100 * trajectory.position.T
     ax.plot(x, y, 0 * x, color="#BB5566", linewidth=0.7, zorder=8)
-    mean = cycle_means(trajectory)
+    mean = mean_path(trajectory)
     if mean is not None:
         ax.plot(*100 * mean[1].T, 0, color=BLACK, linewidth=2.0, zorder=9)
         ax.plot(*100 * mean[1][-1][:, None], 0, "o", color=BLACK, markersize=4, zorder=9)

@@ -33,6 +33,9 @@ if TYPE_CHECKING:
 
 LEG_CYCLES = 4
 """Cycles that the plot of the legs shows where a run has many more: its last ones."""
+START_CYCLES = 8
+"""Cycles after which a path's mean is drawn; the rocking of the start has died out in the paper's
+gaits by then."""
 _TIME = "time [s]"
 
 
@@ -42,7 +45,7 @@ def plot(trajectory: Trajectory, kind: str = "all", ax: Axes | None = None) -> A
     Args:
         trajectory: any.
         kind: "angles": roll, pitch, yaw [deg]; "path": the contact point [cm], with its mean
-            over one period of the gait; "energy" [J]; "force": the contact force along the
+            over one period of the gait after the first eight; "energy" [J]; "force": the contact force along the
             ground's normal and in the ground plane [N], with the weight; "legs": angles [deg]
             in the upper half and motor torques [N m] in the lower half, on a twin of `ax`;
             "all": all of these in one figure.
@@ -94,6 +97,23 @@ def cycle_mean(time: Array, values: Array, period: float) -> tuple[Array, Array]
     return middle, (integral(middle + half) - integral(middle - half)) / period
 
 
+def mean_path(trajectory: Trajectory) -> tuple[Array, Array] | None:
+    """Times (n,) [s] and the contact point's mean over the gait's period around each (n, 2) [m].
+
+    Windows that would reach over an end are left out, and in a run of more than twice as many the
+    first cycles too: the rocking of the start is no drift, and its mean a tangle. None if nothing
+    is left.
+    """
+    period = trajectory.period
+    if period is None or period > trajectory.time[-1]:
+        return None
+    time, mean = cycle_mean(trajectory.time, trajectory.position, period)
+    if trajectory.time[-1] > 2 * START_CYCLES * period:
+        later = time >= START_CYCLES * period
+        time, mean = time[later], mean[later]
+    return time, mean
+
+
 def _angles(trajectory: Trajectory, ax: Axes) -> None:
     for i, name in enumerate(("roll", "pitch", "yaw")):
         ax.plot(trajectory.time, np.rad2deg(trajectory.euler[:, i]), label=name, **line(i))
@@ -104,14 +124,12 @@ def _angles(trajectory: Trajectory, ax: Axes) -> None:
 
 def _path(trajectory: Trajectory, ax: Axes) -> None:
     x, y = 100 * trajectory.position.T
-    means = np.empty((0, 2))
-    if trajectory.period is not None:
-        means = cycle_mean(trajectory.time, 100 * trajectory.position, trajectory.period)[1]
-    path = {"color": PALE, "linewidth": 0.9} if len(means) else line(0)
+    means = mean_path(trajectory)
+    path = line(0) if means is None else {"color": PALE, "linewidth": 0.9}
     ax.plot(x, y, label="contact point", **path)
-    if len(means):
+    if means is not None:
         label = "mean over a cycle"
-        ax.plot(means[:, 0], means[:, 1], color=COLOURS[0], linewidth=2.0, label=label)
+        ax.plot(*100 * means[1].T, color=COLOURS[0], linewidth=2.0, label=label)
     mark: dict[str, Any] = {"linestyle": "none", "markeredgecolor": BLACK, "zorder": 5}
     ax.plot(x[:1], y[:1], marker="o", markerfacecolor="white", label="start", **mark)
     ax.plot(x[-1:], y[-1:], marker="s", markerfacecolor=BLACK, label="end", **mark)
