@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import io
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from html import escape
 from typing import TYPE_CHECKING, Any
@@ -42,6 +43,22 @@ def html_table(
     top = _row("th", head) if head else ""
     picture = "" if figure is None else _picture(figure)
     return f"<div><b>{escape(title)}</b><table>{top}{body}</table>{picture}</div>"
+
+
+def oscillation(amplitude: float, phase: float, mean: float) -> str:
+    """An angle about mean + amplitude sin(omega t + phase) [rad] in words, in degrees.
+
+    An amplitude that is shown as zero has no phase.
+
+    Examples:
+        >>> oscillation(0.25, 1.0, 0.0)
+        'amplitude 14.324 deg, phase 57.3 deg, mean 0.000 deg'
+        >>> oscillation(2e-6, 1.0, 0.1)
+        'amplitude 0.000 deg, phase -, mean 5.730 deg'
+    """
+    swing = f"{math.degrees(amplitude):.3f}"
+    at = f"{math.degrees(phase):.1f} deg" if float(swing) else "-"
+    return f"amplitude {swing} deg, phase {at}, mean {round(math.degrees(mean), 3) + 0.0:.3f} deg"
 
 
 def percent(share: float) -> str:

@@ -9,8 +9,8 @@ from click.testing import CliRunner
 import rrrobot as rr
 from rrrobot.cli.main import cli
 from rrrobot.figures.comparison import contact_paths, rolling_shell, single_axis
-from rrrobot.simulation.plots import mean_path
 from rrrobot.paper.table4 import PAPER
+from rrrobot.simulation.plots import mean_path
 from rrrobot.studies.comparison import scaled
 
 

@@ -14,8 +14,7 @@ from rrrobot.cli.options.robot import DampingOptions, GroundOptions, RobotOption
 from rrrobot.cli.report import tell
 from rrrobot.drawing import write_figure
 from rrrobot.files import check_writable
-from rrrobot.inline import aligned
-from rrrobot.simulation.steady import oscillation
+from rrrobot.inline import aligned, oscillation
 
 if TYPE_CHECKING:
     from rrrobot.orbits.limit_cycles import LimitCycle

@@ -13,8 +13,8 @@ import numpy as np
 
 from rrrobot.checks import Array
 from rrrobot.errors import ParameterError
-from rrrobot.inline import aligned, percent
-from rrrobot.simulation.steady import oscillation, steady_state
+from rrrobot.inline import aligned, oscillation, percent
+from rrrobot.simulation.steady import steady_state
 from rrrobot.simulation.trajectory import Trajectory
 
 _AXES = ("roll", "pitch", "yaw")

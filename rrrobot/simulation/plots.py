@@ -45,9 +45,10 @@ def plot(trajectory: Trajectory, kind: str = "all", ax: Axes | None = None) -> A
     Args:
         trajectory: any.
         kind: "angles": roll, pitch, yaw [deg]; "path": the contact point [cm], with its mean
-            over one period of the gait after the first eight; "energy" [J]; "force": the contact force along the
-            ground's normal and in the ground plane [N], with the weight; "legs": angles [deg]
-            in the upper half and motor torques [N m] in the lower half, on a twin of `ax`;
+            over one period of the gait after the first eight; "energy" [J]; "force": the contact
+            force along the ground's normal and in the ground plane [N], with the weight; "legs":
+            angles [deg] in the upper half and motor torques [N m] in the lower half, on a twin of
+            `ax`;
             "all": all of these in one figure.
         ax: where to draw; axes in a new figure if None. Not for "all".
 

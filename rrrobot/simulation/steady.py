@@ -25,7 +25,7 @@ import numpy as np
 
 from rrrobot.checks import Array, finite
 from rrrobot.errors import ParameterError
-from rrrobot.inline import aligned, html_table, percent
+from rrrobot.inline import aligned, html_table, oscillation, percent
 from rrrobot.results import SETTLED, STILL
 from rrrobot.rotations import quaternion_from_euler, turns_over
 
@@ -179,22 +179,6 @@ class SteadyState:
             ("counted", f"{self.cycles} cycles of {self.period:.4g} s from {self.after:.4g} s"),
             ("steps vary by", percent(self.variation)),
         ]
-
-
-def oscillation(amplitude: float, phase: float, mean: float) -> str:
-    """An angle about mean + amplitude sin(omega t + phase) [rad] in words, in degrees.
-
-    An amplitude that is shown as zero has no phase.
-
-    Examples:
-        >>> oscillation(0.25, 1.0, 0.0)
-        'amplitude 14.324 deg, phase 57.3 deg, mean 0.000 deg'
-        >>> oscillation(2e-6, 1.0, 0.1)
-        'amplitude 0.000 deg, phase -, mean 5.730 deg'
-    """
-    swing = f"{np.rad2deg(amplitude):.3f}"
-    at = f"{np.rad2deg(phase):.1f} deg" if float(swing) else "-"
-    return f"amplitude {swing} deg, phase {at}, mean {round(np.rad2deg(mean), 3) + 0.0:.3f} deg"
 
 
 def steady_state(
