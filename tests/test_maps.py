@@ -346,8 +346,7 @@ def test_an_amount_has_no_line_where_it_touches_zero(full: xr.Dataset) -> None:
 
 
 def test_labels_of_the_inverse_map_stand_apart(full: xr.Dataset) -> None:
-    figure = maps.inverse(full)
-    figure.canvas.draw()
+    figure = drawn(maps.inverse(full))
     for ax in figure.axes:
         boxes = [text.get_window_extent() for text in ax.texts]
         assert len(boxes) > 3
