@@ -97,7 +97,7 @@ class Workshop:
         row = sweep(
             self.full,
             offset=np.linspace(0.0, np.pi, 4 * (self.offset.size - 1) + 1),
-            phase_difference=(np.pi / 2, np.pi),
+            phase_difference=[np.pi / 2, np.pi],
             amplitude=AMPLITUDE,
             angular_frequency=FREQUENCY,
             cycles=CYCLES,
