@@ -105,6 +105,7 @@ def motions_of(
         phase_difference=np.linspace(0.0, 2 * np.pi, _PHASES, endpoint=False),
         amplitude=amplitude * np.array(_SHARES),
         angular_frequency=angular_frequency,
+        settle=_way(model),
         progress=progress,
         **apart,
     )
@@ -172,6 +173,11 @@ def _level(model: Model) -> Model:
     return FullModel(model.robot, ground=flat, damping=model.damping)
 
 
+def _way(model: Model) -> str:
+    """How its motions are found: by limit cycles, where the ground is level."""
+    return "orbit" if type(model.ground) is Plane and model.ground.is_level else "cycles"
+
+
 def corners(motions: Motions, *, most: int = 12, cost: Array | None = None) -> Motions:
     """Corners of the hull of all twists: few that reach nearly as far as all, in every direction.
 
@@ -203,7 +209,7 @@ def _cache_path(model: Model, amplitude: float, angular_frequency: float, decoup
     """File for everything that the motions depend on."""
     what = [
         model.robot.to_dict(), model.to_dict(), amplitude, angular_frequency,
-        _OFFSETS, _PHASES, _SHARES, decoupled,
+        _OFFSETS, _PHASES, _SHARES, decoupled, _way(model),
     ]  # fmt: skip
     name = hashlib.sha256(json.dumps(what, sort_keys=True).encode()).hexdigest()[:24]
     home = os.environ.get("XDG_CACHE_HOME") or os.path.join(os.path.expanduser("~"), ".cache")
