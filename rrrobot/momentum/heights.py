@@ -17,7 +17,7 @@ from rrrobot.checks import Array
 from rrrobot.drive.gaits.batch import GaitBatch
 from rrrobot.momentum.coefficients import LANES, LaneWork, lane_work, move_lanes
 from rrrobot.momentum.compiled import borrowed, compiled, inner
-from rrrobot.momentum.interpolation import between
+from rrrobot.momentum.interpolation import between, interpolate
 from rrrobot.momentum.legs import checked, turns_at
 from rrrobot.momentum.lowering import Setting
 
@@ -74,7 +74,7 @@ def _lowest(tree, radius, gaits, motion, turns, refine, finer, work, out):  # ty
     for g in range(len(out)):
         for s in range(6 if known else 3):
             # z_body, or the normal, then s.
-            _interpolate(refine, motion[g], 6 + s if known else s, place[s])
+            interpolate(refine, motion[g], 6 + s if known else s, place[s])
         for k in range(n):
             above[k] = radius
         if known:
@@ -118,17 +118,6 @@ def _lowest(tree, radius, gaits, motion, turns, refine, finer, work, out):  # ty
                 if here <= left and here < right and bend > 0.0:
                     least = min(least, here - (left - right) ** 2 / (8.0 * bend))
         out[g] = least
-
-
-@inner
-def _interpolate(refine, motion, entry, out):  # type: ignore[no-untyped-def]
-    """One entry of a motion at the instants."""
-    for k in range(len(out)):
-        out[k] = 0.0
-    for m in range(len(motion)):
-        now = motion[m, entry]
-        for k in range(len(out)):
-            out[k] += refine[m, k] * now
 
 
 @inner

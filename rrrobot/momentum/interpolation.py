@@ -7,6 +7,7 @@ from functools import lru_cache
 import numpy as np
 
 from rrrobot.checks import Array
+from rrrobot.momentum.compiled import inner
 
 
 @lru_cache(maxsize=8)
@@ -50,3 +51,14 @@ def spline_matrix(n: int, times: int, order: int) -> Array:
     at = np.arange(times * (n - 1) + 1) / times
     spline = make_interp_spline(np.arange(n, dtype=float), np.eye(n), k=5 if n >= 6 else 3)
     return np.ascontiguousarray(spline(at, order))
+
+
+@inner
+def interpolate(weights, motion, entry, out):  # type: ignore[no-untyped-def]
+    """One entry of a motion at the points between, of transposed weights (n, points)."""
+    for k in range(len(out)):
+        out[k] = 0.0
+    for m in range(len(motion)):
+        now = motion[m, entry]
+        for k in range(len(out)):
+            out[k] += weights[m, k] * now

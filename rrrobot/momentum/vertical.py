@@ -13,8 +13,8 @@ from numba import njit
 
 from rrrobot.checks import Array
 from rrrobot.momentum.coefficients import LANES
-from rrrobot.momentum.compiled import inner, lanes
-from rrrobot.momentum.interpolation import between
+from rrrobot.momentum.compiled import borrowed, compiled, inner, lanes
+from rrrobot.momentum.interpolation import between, interpolate
 
 N_PAST = 3
 """Steps that are kept: the newest last."""
@@ -108,19 +108,42 @@ def largest_tilt(motion: Array, *, periodic: bool) -> Array:
         periodic: whether it repeats.
     """
     refine, finer = between(motion.shape[1], periodic)
-    normal = motion[:, :, 6:9] if motion.shape[2] > 9 else motion[:, :, :3]
-    size = np.square(np.einsum("pm,nms->nps", finer @ refine, normal[:, :, :2])).sum(axis=2)
-    # Roll and pitch below a quarter turn or beyond: the sine alone does not tell.
-    along = np.einsum("pm,nm->np", finer @ refine, normal[:, :, 2])
-    tilt = np.arctan2(np.sqrt(size), along)
-    rows, k = np.arange(len(tilt)), np.nan_to_num(tilt).argmax(axis=1)
-    last = tilt.shape[1]
-    left, right = (
-        tilt[rows, (k + i) % last if periodic else np.clip(k + i, 0, last - 1)] for i in (-1, 1)
-    )
-    top = tilt[rows, k]
-    bend = left - 2.0 * top + right
-    with np.errstate(invalid="ignore", divide="ignore"):
-        more = np.where(bend < 0, -((left - right) ** 2) / (8.0 * bend), 0.0)
-    # The parabola's top is within the samples beside the largest one.
-    return np.asarray(top + np.minimum(more, np.abs(bend)))
+    weights = np.ascontiguousarray((finer @ refine).T)
+    out, first = np.empty(len(motion)), 6 if motion.shape[2] > 9 else 0
+    work = np.empty((4, weights.shape[1]))
+    _largest_tilt(np.ascontiguousarray(motion), first, weights, periodic, work, out)
+    return out
+
+
+@compiled()
+def _largest_tilt(motion, first, weights, periodic, work, out):  # type: ignore[no-untyped-def]
+    motion, weights, work, out = (
+        borrowed(motion), borrowed(weights), borrowed(work), borrowed(out),
+    )  # fmt: skip
+    x, y, z, lean = work[0], work[1], work[2], work[3]
+    last = len(lean)
+    for g in range(len(out)):
+        for s in range(3):
+            interpolate(weights, motion[g], first + s, work[s])
+        for p in range(last):
+            # Square of the tangent of half the angle.
+            across = x[p] * x[p] + y[p] * y[p]
+            along = z[p] + np.sqrt(across + z[p] * z[p])
+            lean[p] = across / (along * along)
+        k = 0
+        for p in range(last):
+            if lean[p] > lean[k]:
+                k = p
+        if periodic:
+            before, after = (k - 1) % last, (k + 1) % last
+        else:
+            before, after = max(k - 1, 0), min(k + 1, last - 1)
+        left, top, right = (
+            2.0 * np.arctan(np.sqrt(lean[before])), 2.0 * np.arctan(np.sqrt(lean[k])),
+            2.0 * np.arctan(np.sqrt(lean[after])),
+        )  # fmt: skip
+        bend = left - 2.0 * top + right
+        if bend < 0.0:
+            # The parabola's top is within the samples beside the largest one.
+            top += min(-((left - right) ** 2) / (8.0 * bend), -bend)
+        out[g] = top
