@@ -53,6 +53,8 @@ html_use_index = False
 html_domain_indices = False
 html_show_sphinx = False
 html_show_copyright = False
+# Summaries would be fetched, which a page opened from the disk may not do.
+html_show_search_summary = False
 html_theme_options = {
     "top_of_page_buttons": [],
     "light_css_variables": {
