@@ -92,6 +92,13 @@ def test_a_sweep_that_has_not_settled_warns():
         rr.sweep(rr.FullModel(ROBOT, damping=None), **GRID)
 
 
+def test_a_sweep_of_orbits_leaves_the_word_to_the_status():
+    # Legs in phase near the pitch's resonance: none that holds, and residuals far above 5 %.
+    gaits = {"offset": np.pi / 2, "phase_difference": 0.0, "amplitude": [0.9, 1.0]}
+    found = rr.sweep(rr.FullModel(ROBOT), **gaits, angular_frequency=5.0, settle="orbit")
+    assert np.all(found.status == 7) and found.variation.min() > 0.05
+
+
 def test_a_run_that_has_not_settled_warns_and_says_so_wherever_it_is_shown():
     run = rr.simulate(SLOW, CIRCULAR, 30.0, method="momentum")
     with pytest.warns(rr.UnsettledWarning, match=r"not settled.*Simulate longer"):

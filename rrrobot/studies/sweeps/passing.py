@@ -33,7 +33,9 @@ def warn_of_gaits(robot: Robot, plan: Plan, columns: Mapping[str, NDArray[Any]])
         GroundClearanceWarning: how many gaits swing a leg through the ground.
         LimitWarning: each joint and limit, how many gaits pass it, and by how much at most.
     """
-    changes = columns["variation"][columns["variation"] > SETTLED]
+    # Of a gait that was stopped, or has no orbit that holds, the status speaks.
+    counted = columns["status"] == 0
+    changes = columns["variation"][counted & (columns["variation"] > SETTLED)]
     if changes.size:
         warnings.warn(
             f"{changes.size} of {columns['variation'].size} gaits have not settled: their single "
