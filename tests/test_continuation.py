@@ -117,6 +117,7 @@ def test_symmetry_is_lost_with_legs_in_phase():
     assert mirrored.yaw_rate == pytest.approx(-c.yaw_rate, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_torus_is_born_where_kanes_equations_have_a_pair_of_size_one():
     """Legs in phase, little damping: the pair of the roll leaves the unit circle."""
     light = 0.002

@@ -35,6 +35,8 @@ LONG = {
         "figures.maps", "figures.reduction", "studies.optimisation.pareto",
         "studies.optimisation.result", "studies.optimisation.run", "machines.shells",
         "drive.controllers", "paper.run", "paper.unicycle", "orbits.oscillations",
+        "steering.following", "steering.demands", "steering.planner", "machines.cycles",
+        "orbits.gradients",
     )
 }  # fmt: skip
 

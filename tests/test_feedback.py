@@ -189,6 +189,7 @@ def test_what_a_fit_refuses(other, tmp_path):
         MeasuredRun.from_csv(tmp_path / "run.csv")
 
 
+@pytest.mark.slow
 def test_a_goal_is_reached_on_another_robot_on_a_slope(model, tilted):
     sensor = Sensor(place=NOISE[0], yaw=NOISE[1], seed=3)
     found = reach(model, (0.15, -0.2, 1.0), truth=tilted, sensor=sensor)
