@@ -48,17 +48,12 @@ def test_settling_time_is_the_slowest_of_all_postures_and_parts():
 
 
 @pytest.mark.parametrize(
-    ("model", "posture"),
-    [
-        (rr.FullModel(ROBOT, damping=None), UP),
-        (rr.FullModel(ROBOT, damping=0.01), -UP),
-        (rr.YawModel(ROBOT), UP),
-    ],
-    ids=["undamped", "legs through the ground", "free yaw"],
+    "model",
+    [rr.FullModel(ROBOT, damping=None), rr.YawModel(ROBOT)],
+    ids=["undamped", "free yaw"],
 )
-def test_settling_time_is_none_where_nothing_decays(model, posture):
-    known = settling_time(model, [posture], 0.01)
-    assert known == 0.0 or (posture is not UP and known < 100)
+def test_settling_time_is_none_where_nothing_decays(model):
+    assert settling_time(model, [UP], 0.01) == 0.0
 
 
 def test_a_sweep_simulates_until_the_slowest_mode_is_gone():

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from rrrobot.checks import Array, finite
 from rrrobot.drive.gaits import GaitBatch
 from rrrobot.escape.bench import Outcome
 from rrrobot.escape.goals import Escape
-from rrrobot.robot.limits import JointEnds, JointLimits
+from rrrobot.robot.limits import JointEnds, JointLimits, below
 
 _VARIATION = 0.01
 _GRIP = 0.96
@@ -90,14 +90,14 @@ class Rules(NamedTuple):
         low, high, rate = gaits.reach()
         parts: list[tuple[str, Array]] = [
             ("normal force", (out.normal - limits.normal_force)[:, None]),
-            ("friction", _below(out.friction, _GRIP * limits.friction)[:, None]),
-            ("tilt", _below(out.most_tilt, limits.use * self.tilt)[:, None]),
+            ("friction", below(out.friction, _GRIP * limits.friction)[:, None]),
+            ("tilt", below(out.most_tilt, limits.use * self.tilt)[:, None]),
             ("clearance", (out.height[:, :-1] - limits.clearance) / LENGTH),
             ("separation", (out.apart - limits.separation)[:, None] / LENGTH),
             ("position", low - ends.lower),
             ("position", ends.upper - high),
-            ("velocity", _below(rate, limits.use * ends.velocity)),
-            ("effort", _below(out.torque, limits.use * ends.effort)),
+            ("velocity", below(rate, limits.use * ends.velocity)),
+            ("effort", below(out.torque, limits.use * ends.effort)),
         ]
         if not self.goal.leans:
             parts.append(("direction", self.goal.slack(out.travel, self.length)))
@@ -127,10 +127,3 @@ def _top(values: Array) -> Array:
     with np.errstate(invalid="ignore", divide="ignore"):
         more = np.where(bend < 0, -((left - right) ** 2) / (8.0 * bend), 0.0)
     return np.asarray(here + more)
-
-
-def _below(value: Array, most: Any) -> Array:
-    """Slack of a positive value below a limit, infinite ones included."""
-    with np.errstate(invalid="ignore"):
-        ratio = np.minimum(value, 1e9) / most
-    return np.asarray((1.0 - ratio) / (1.0 + ratio))

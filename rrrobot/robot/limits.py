@@ -275,6 +275,17 @@ def _parsed(value: Any) -> Any:
     return float(value) if value in ("inf", "-inf") else value
 
 
+def below(value: Array, most: Array | float) -> Array:
+    """Slack of positive values below limits: 1 of none used, 0 at the limit, towards -1 above.
+
+    It is (most - value) / (most + value), and 1 where nothing limits.
+    """
+    value, most = np.minimum(value, 1e9), np.asarray(most)
+    with np.errstate(invalid="ignore"):
+        slack = (most - value) / (most + value)
+    return np.where(np.isinf(most), 1.0 + 0.0 * value, slack)
+
+
 def beyond(
     joints: LegJoints, legs: Sequence[str], time: Array, angle: Array, rate: Array, torque: Array
 ) -> list[str]:

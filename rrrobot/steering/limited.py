@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -10,13 +9,13 @@ import numpy as np
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import GaitBatch
 from rrrobot.models.base import Model
-from rrrobot.orbits.settling import between, settling_time
 from rrrobot.steering.motions import Motions
 from rrrobot.studies.optimisation.table import GaitLimits
+from rrrobot.studies.sweeps.counts import enough_cycles
 
 _SHARES = (0.95, 0.75, 0.5)
 """Of the limits, that the settled gaits may use: what gaits are blended asks for more."""
-_CYCLES, _COUNTED, _LEFT = 38, 2, 0.001
+_COUNTED = 2
 
 
 def within(
@@ -67,9 +66,8 @@ def settled(model: Model, motions: Motions) -> dict[str, Array]:
         np.column_stack((zero, motions.phase_difference)),
         np.full(n, motions.angular_frequency),
     )
-    low, high = (np.full(2, f(motions.offset)) for f in (np.min, np.max))
-    slow = settling_time(model, between(low, high), _LEFT) * motions.angular_frequency
-    cycles = max(_CYCLES, math.ceil(slow / (2 * math.pi)) + _COUNTED)
+    offsets = np.repeat([[motions.offset.min()], [motions.offset.max()]], 2, axis=1)
+    cycles = enough_cycles([model], offsets, motions.angular_frequency, _COUNTED)
     found = steady_states(
         lower(model), gaits, cycles=cycles, counted=_COUNTED, steps_per_cycle=10, loads=True
     )

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from rrrobot.checks import Array, finite
 from rrrobot.drive.gaits import GaitBatch
 from rrrobot.results import names
-from rrrobot.robot.limits import JointEnds, JointLimits
+from rrrobot.robot.limits import JointEnds, JointLimits, below
 
 
 def columns() -> tuple[str, ...]:
@@ -180,10 +180,10 @@ class GaitLimits(JointLimits):
             )
         if self.friction is not None:
             text = f"needs a friction coefficient above {self.friction:g}"
-            found["friction"] = (_below(t.friction, self.friction), text)
+            found["friction"] = (below(t.friction, self.friction), text)
         if self.max_leg_acceleration is not None:
             most = self.max_leg_acceleration
-            slack = _below(t.joints.acceleration, most)
+            slack = below(t.joints.acceleration, most)
             found["max_leg_acceleration"] = (slack, f"leg acceleration above {most:g} rad/s^2")
         return found | self._joint_slack(t.joints, ends, legs)
 
@@ -198,10 +198,10 @@ class GaitLimits(JointLimits):
                 float(end[k]) for end in (ends.effort, ends.velocity, ends.lower, ends.upper)
             )
             if np.isfinite(torque):
-                slack, text = _below(joints.torque[:, k], torque), "motor torque of {} above {:g}"
+                slack, text = below(joints.torque[:, k], torque), "motor torque of {} above {:g}"
                 found[f"torque of {leg}"] = slack, text.format(leg, torque) + " N m"
             if np.isfinite(rate):
-                slack, text = _below(joints.rate[:, k], rate), "rate of {} above {:g} rad/s"
+                slack, text = below(joints.rate[:, k], rate), "rate of {} above {:g} rad/s"
                 found[f"rate of {leg}"] = slack, text.format(leg, rate)
             if np.isfinite(low):
                 found[f"lower of {leg}"] = joints.low[:, k] - low, f"{leg} goes below {low:g} rad"
@@ -211,9 +211,3 @@ class GaitLimits(JointLimits):
                     f"{leg} goes above {high:g} rad",
                 )
         return found
-
-
-def _below(value: Array, most: float) -> Array:
-    """Slack of a positive value below a limit."""
-    value = np.minimum(value, 1e9)
-    return np.asarray((most - value) / (most + value))

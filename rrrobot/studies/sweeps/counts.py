@@ -7,11 +7,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from rrrobot.checks import whole
+from rrrobot.checks import Array, whole
 from rrrobot.models.base import Model
 from rrrobot.models.recombined import DecoupledModels
 from rrrobot.orbits.settling import between, settling_time
-from rrrobot.studies.sweeps.grid import Plan
 
 CYCLES = 38
 """The paper's 30 s at 8 rad/s."""
@@ -32,15 +31,20 @@ def run_settings(cycles: int | None, counted: int | None, steps: int) -> dict[st
     return {"cycles": cycles, "counted": counted, "steps_per_cycle": steps}
 
 
-def enough_cycles(models: Iterable[Model | DecoupledModels], plan: Plan, counted: int) -> int:
+def enough_cycles(
+    models: Iterable[Model | DecoupledModels],
+    offsets: Array,
+    angular_frequency: float,
+    counted: int,
+) -> int:
     """Cycles after which the slowest decay of any of the models leaves little; 38 at least.
 
     Args:
-        models: of the swept robots, those that stand for all.
-        plan: the gaits.
+        models: of the robots, those that stand for all.
+        offsets: least and largest of each leg (2, legs) [rad].
+        angular_frequency: the highest [rad/s].
         counted: cycles at the end that must be free of what they began with.
     """
-    low, high, fastest = plan.reach()
-    needed = max(settling_time(model, between(low, high), _LEFT) for model in models)
-    before = math.ceil(needed * fastest / (2 * np.pi) - 1e-9)
+    needed = max(settling_time(model, between(*offsets), _LEFT) for model in models)
+    before = math.ceil(needed * angular_frequency / (2 * np.pi) - 1e-9)
     return max(CYCLES, min(before + counted, _MOST))

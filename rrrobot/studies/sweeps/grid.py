@@ -82,18 +82,23 @@ class Plan:
             order = self._batch.order if self._batch.sine.shape[1] > 1 or goes_round else 0
         return 8 + 8 * order if order else 10
 
-    def reach(self) -> tuple[Array, Array, float]:
-        """Least and largest offset of each leg (legs,) [rad], and the highest frequency [rad/s]."""
+    @property
+    def offsets(self) -> Array:
+        """Least and largest offset of each leg (2, legs) [rad]."""
         if self._batch is not None:
-            offset, rate = self._batch.offset, self._batch.angular_frequency
-            return offset.min(axis=0), offset.max(axis=0), float(rate.max())
-        offsets = [source.values for source in self._sources["offset"]]
-        low, high = (
-            np.broadcast_to([f(values) for values in offsets], (len(self.legs),)).astype(float)
-            for f in (np.min, np.max)
-        )
+            offset = self._batch.offset
+            return np.array((offset.min(axis=0), offset.max(axis=0)))
+        given = [source.values for source in self._sources["offset"]]
+        ends = [[f(values) for values in given] for f in (np.min, np.max)]
+        return np.broadcast_to(np.asarray(ends, float), (2, len(self.legs)))
+
+    @property
+    def highest_frequency(self) -> float:
+        """Of all gaits [rad/s]."""
+        if self._batch is not None:
+            return float(self._batch.angular_frequency.max())
         (rate,) = (source.values for source in self._sources["angular_frequency"])
-        return low, high, float(np.max(rate))
+        return float(np.max(rate))
 
     def add_points(self, points: Mapping[str, ArrayLike] | Sequence[Gait]) -> None:
         """Gaits one by one: of any kind, or arrays of numbers of sinusoidal ones."""

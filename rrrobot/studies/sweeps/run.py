@@ -184,7 +184,9 @@ def sweep(
     if settle == "orbit":
         run = {key: run[key] for key in ("steps_per_cycle", "loads")}
     elif cycles is None:
-        run["cycles"] = enough_cycles(variants.ends(), plan, run["counted"])
+        run["cycles"] = enough_cycles(
+            variants.ends(), plan.offsets, plan.highest_frequency, run["counted"]
+        )
     layout = Layout(plan.sizes, plan.coords, _attrs(model, variants.base, run) | {"settle": settle})
     if layout.size > LARGEST:
         raise ParameterError(
