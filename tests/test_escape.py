@@ -1,6 +1,7 @@
 """Gaits that get a robot free: what the search is made of, against other ways to compute it."""
 
 from copy import copy
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -8,6 +9,7 @@ import pytest
 
 import rrrobot as rr
 from rrrobot.drive.gaits import GaitBatch
+from rrrobot.escape import confirming, story
 from rrrobot.escape.atlas import Atlas
 from rrrobot.escape.bench import Bench, Outcome
 from rrrobot.escape.bodies import capsules_of
@@ -211,8 +213,10 @@ def test_spaces_are_what_reflections_keep():
     (alike,) = (basis for name, basis, _ in found if name == "alike")
     names = [robot.legs[k] for k in np.flatnonzero(np.abs(alike[:, 0]) > 1e-9)]
     assert {name.split("_")[1] for name in names} <= {"haa", "hfe", "kfe"}
-    posture = symmetric(robot, np.random.default_rng(0).normal(size=12))
-    np.testing.assert_allclose(symmetric(robot, posture), posture, atol=1e-12)
+    two = np.random.default_rng(0).normal(size=(2, 12))
+    postures = symmetric(robot, two)
+    np.testing.assert_allclose(symmetric(robot, postures), postures, atol=1e-12)
+    np.testing.assert_array_equal(postures[0], symmetric(robot, two[0]))
 
 
 def test_gaits_of_a_symmetric_space_do_not_travel_where_they_must_not(bench):
@@ -360,6 +364,33 @@ def test_gaits_whose_links_touch_are_taken_up_from_where_they_are(bench):
     assert refused and not any(one is other for one in found for other in refused)
     assert found[0].valid and found[0].value > 0.005
     assert found[0].outcome.apart[0] == strict(found[0].gait).apart[0]
+
+
+def test_what_is_returned_the_kkt_system_confirms(monkeypatch):
+    """The momentum form tells what is worth its time, with the same numbers; what the KKT system
+    then rejects is not returned."""
+    told = []
+
+    def confirm(*args, method="kkt", **options):
+        found = confirming.confirm(*args, method=method, **options)
+        by_kkt = [one for how, one in told if how == "kkt"]
+        if method == "kkt" and not by_kkt:
+            found = replace(found, met=False)
+        told.append((method, found))
+        return found
+
+    monkeypatch.setattr(story, "confirm", confirm)
+    robot = rr.Robot.from_parameters()
+    found = rr.unstick(robot, goals=["left"], budget=300, postures=1).found["left"]
+    assert [how for how, _ in told] == ["momentum", "kkt"] * 2
+    (_, quick), (_, rejected), _, (_, last) = told
+    assert found == (last,) and last.met
+    for one, method in ((quick, "momentum"), (rejected, "kkt")):
+        assert one.trajectory.metadata["integration"]["method"] == method
+    assert quick.value == pytest.approx(rejected.value, rel=1e-6) and quick.ramp == rejected.ramp
+    np.testing.assert_allclose(quick.torque, rejected.torque, rtol=1e-6)
+    for name, value in quick.measured.items():
+        assert rejected.measured[name] == pytest.approx(value, rel=1e-6), name
 
 
 def test_a_robot_that_tips_is_told(biped):

@@ -95,7 +95,7 @@ def _common(n: int, wanted: list[tuple[Array, int]]) -> Array:
 
 
 def symmetric(robot: Robot, offset: Array) -> Array:
-    """A posture (legs,) averaged with its images, where the robot has symmetries."""
+    """Postures (..., legs) averaged with their images, where the robot has symmetries."""
     images = [offset]
     maps = [found for kind in _REFLECTIONS if (found := symmetry_of(robot, kind)) is not None]
     for use in product((False, True), repeat=len(maps)):

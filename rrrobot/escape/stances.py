@@ -40,7 +40,7 @@ def stances(
                     (_TRIED // 2, robot.n_legs)),
     ))  # fmt: skip
     room = np.minimum(0.15, (ends.upper - ends.lower) / 4)
-    tried = np.clip([symmetric(robot, row) for row in tried], ends.lower + room, ends.upper - room)
+    tried = np.clip(symmetric(robot, tried), ends.lower + room, ends.upper - room)
     height, apart = bench.still(np.vstack((first, tried)))
     # A first posture that is nearer than the limits sets them.
     clear = height[1:, :-1].min(axis=1, initial=np.inf) >= min(

@@ -34,7 +34,7 @@ from rrrobot.progress import Progress, Tell, checked_progress, progress_of
 from rrrobot.robot.robot import Robot
 
 _TRIED = 12
-"""Gaits that the KKT system simulates for a goal until enough are confirmed, at most."""
+"""Gaits that are held against all limits for a goal until enough are confirmed, at most."""
 
 
 def unstick(
@@ -185,7 +185,6 @@ class _Work:
             nearer=self._nearer, tell=lambda done: tell(done, f"searching {goal.name}"),
         )  # fmt: skip
         confirmed: list[EscapeGait] = []
-        failed: list[EscapeGait] = []
         good: list[Judged] = []
         bad: list[Judged] = []
         for one in found:
@@ -195,10 +194,17 @@ class _Work:
             if near or min((gap(one, other) for other in bad), default=np.inf) <= SAME:
                 continue
             tell(budget, f"confirming {goal.name}")
-            gait = confirm(self.model, self.bench, rules, one, self.belly)
-            (confirmed if gait.met else failed).append(gait)
+            gait = self._confirm(rules, one, method="momentum")
+            if gait.met:
+                cycles = round(gait.ramp / (gait.gait.period or 1.0))
+                gait = self._confirm(rules, one, ramps=(cycles,))
+            if gait.met:
+                confirmed.append(gait)
             (good if gait.met else bad).append(one)
-        return confirmed or failed[:1]
+        return confirmed or [self._confirm(rules, bad[0])]
+
+    def _confirm(self, rules: Rules, one: Judged, **options: Any) -> EscapeGait:
+        return confirm(self.model, self.bench, rules, one, self.belly, **options)
 
     def off(self, goal: Escape, floor: float | None) -> RollOff:
         """What comes of the legs' leaning to a side of a rock."""
