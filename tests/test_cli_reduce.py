@@ -21,6 +21,7 @@ def test_prints_and_plots(tmp_path):
     assert target.stat().st_size > 20_000
 
 
+@pytest.mark.slow
 def test_json_with_a_plan():
     result = run("--plan", "0.2,1.2,1.6", "--angle-range", "0.2,2.9", "--offset", "1.2", "--json")
     data = json.loads(result.output)

@@ -330,6 +330,7 @@ def test_simulated_path_starts_by_an_impulse_and_does_not_slip() -> None:
     assert first(at(path.contact_point), h) == pytest.approx(velocity, abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("offset", "speed", "yaw_rate"),
     [

@@ -36,7 +36,9 @@ LONG = {
         "studies.optimisation.result", "studies.optimisation.run", "machines.shells",
         "drive.controllers", "paper.run", "paper.unicycle", "orbits.oscillations",
         "steering.following", "steering.demands", "steering.planner", "machines.cycles",
-        "orbits.gradients",
+        "orbits.gradients", "orbits.limit_cycles", "steering.plans", "steering.gears",
+        "steering.reachable", "steering.identification", "lab.maps", "reduction.cycles",
+        "simulation.trajectory", "simulation.steady",
     )
 }  # fmt: skip
 

@@ -147,6 +147,7 @@ def test_a_picture_has_the_time_and_not_the_controls(opened):
     assert page.run("document.querySelector('canvas').offsetHeight") < 480
 
 
+@pytest.mark.slow
 @needs_browser
 def test_layers_are_shown_on_request_and_said_in_the_legend(opened):
     page = opened()

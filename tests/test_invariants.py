@@ -8,6 +8,7 @@ from scipy.interpolate import make_interp_spline
 import rrrobot as rr
 from tests import derivations
 from tests.random_robot import random_robot
+from tests.some import some
 
 UP = (np.pi / 2, np.pi / 2)
 
@@ -66,7 +67,9 @@ def derived_cycles(path, period):
     return np.linalg.norm(steps[:, :2], axis=1).mean(), steps[:, 2].mean()
 
 
-@pytest.mark.parametrize("euler", [(0.5, 0, 0), (0, 0.5, 0), (0.35, 0.35, 0.2)])
+@pytest.mark.parametrize(
+    "euler", some([[0.5, 0, 0], [0, 0.5, 0], [0.35, 0.35, 0.2]], {"[0.35, 0.35, 0.2]"})
+)
 def test_energy_is_conserved_with_legs_held(robot, euler):
     model = rr.FullModel(robot, damping=None)
     t = rr.simulate(model, rr.StillLegs(UP), duration=30.0, euler=euler, start="rest")

@@ -77,6 +77,7 @@ def test_a_belly_for_a_rock_is_refused():
         check_belly(rr.fit_belly("solo12", ground=rr.Boulder(0.4)))
 
 
+@pytest.mark.slow
 def test_of_a_dome_only_what_is_below_is_drawn(belly):
     scene = Scene(belly.robot)
     shell = next(v for v in scene.visuals if v.name == "shell")

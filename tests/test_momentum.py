@@ -99,7 +99,9 @@ def test_simulate_by_momentum_equals_kkt(model, parameters):
 
 @pytest.mark.filterwarnings("ignore::rrrobot.errors.GroundClearanceWarning")
 @pytest.mark.parametrize("seed", [8, pytest.param(9, marks=pytest.mark.slow)])
-@pytest.mark.parametrize("damping", [rr.BodyRateDamping(0.3, 0.3, 0.3), 0.3])
+@pytest.mark.parametrize(
+    "damping", [rr.BodyRateDamping(0.3, 0.3, 0.3), pytest.param(0.3, marks=pytest.mark.slow)]
+)
 def test_random_trees_after_ten_seconds(seed, damping):
     """Revolute, prismatic and continuous joints, the shell off the base's origin."""
     robot = random_robot(seed)
@@ -348,6 +350,7 @@ def test_lanes_of_unlike_length_do_not_depend_on_each_other():
 # The vertical
 
 
+@pytest.mark.slow
 def test_the_vertical_between_two_steps_is_seen():
     """A pitch of more than 89.5 degrees for 1/50 of a step, at no step."""
     model = rr.FullModel(rr.Robot.from_parameters())

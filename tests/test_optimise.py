@@ -110,7 +110,7 @@ def test_forces_and_torques_equal_the_kkt_systems(make) -> None:
     np.testing.assert_allclose(signals[TORQUE : TORQUE + n], expected.leg_torque, atol=1e-9)
 
 
-@pytest.mark.parametrize("harmonics", [1, 3])
+@pytest.mark.parametrize("harmonics", [1, pytest.param(3, marks=pytest.mark.slow)])
 def test_results_equal_those_of_a_kkt_simulation(harmonics: int) -> None:
     damping = rr.EulerRateDamping(0.01, 0.01, 0.01, legs=0.003)
     model = rr.FullModel(rr.Robot.from_parameters(), damping=damping)
@@ -235,6 +235,7 @@ def test_the_same_seed_gives_the_same_bits(model: rr.FullModel) -> None:
     assert other.gait.to_dict() != first.gait.to_dict()
 
 
+@pytest.mark.slow
 def test_harmonics_give_a_fourier_gait_within_the_swing(model: rr.FullModel) -> None:
     best = optimise(model, "fastest", budget=700, settle_time=SETTLE, harmonics=2,
                     angular_frequency=(6.0, 8.0), amplitude=(0.0, 0.3))  # fmt: skip
@@ -264,6 +265,7 @@ def test_any_robot_can_be_optimised() -> None:
     assert best.gait.n_legs == 3 and best.value > 0 and best.discrepancy < 0.02
 
 
+@pytest.mark.slow
 def test_the_pivoting_model_can_be_optimised() -> None:
     model = rr.PivotingModel(rr.Robot.from_parameters())
     best = optimise(model, "fastest", amplitude=0.3, angular_frequency=8.0, offset=np.pi / 2,
@@ -293,6 +295,7 @@ def test_limits_hold_in_a_kkt_simulation(model: rr.FullModel) -> None:
     assert best.value > 0.005
 
 
+@pytest.mark.slow
 def test_the_tilt_counts_roll_and_pitch_together(model: rr.FullModel) -> None:
     """A gait that rolls: its pitch is small, its tilt is not, and a limit on it is told."""
     gaits = GaitBatch.sinusoidal(np.array([[1.0, 2.2]]), np.full((1, 2), 0.4),

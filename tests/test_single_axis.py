@@ -223,7 +223,9 @@ def test_energy_is_conserved_without_damping(axis: str) -> None:
     assert np.ptp(free.leg_angle[:, 0]) > 0.3
 
 
-@pytest.mark.parametrize("start", ["impulsive", (0.0, 0.0, 1.0)])
+@pytest.mark.parametrize(
+    "start", ["impulsive", pytest.param((0.0, 0.0, 1.0), marks=pytest.mark.slow)]
+)
 def test_yaw_momentum_is_conserved(start: Any) -> None:
     """To 1e-12 kg m^2/s over 30 s at the default settings; zero after an impulsive start."""
     model = rr.YawModel(library_robot())

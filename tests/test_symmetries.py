@@ -134,7 +134,7 @@ def mirrored_front_back():
 
 @pytest.mark.parametrize("mirror", [mirrored_left_right, mirrored_front_back])
 @pytest.mark.parametrize(
-    "model", some([*MODELS, "decoupled"], {"full", "roll"}, lambda m: getattr(m, "name", m))
+    "model", some([*MODELS, "decoupled"], {"full"}, lambda m: getattr(m, "name", m))
 )
 @every_method
 def test_a_mirrored_gait_gives_the_mirrored_path(model, method, mirror):

@@ -54,9 +54,8 @@ def test_a_goal_behind_a_closed_wall_is_approached(model):
     assert 0.46 < np.hypot(*(caught.value.nearest.predicted[:2] - (0.3, 0.0))) < 0.6
 
 
-@pytest.mark.parametrize(
-    "limit", [pytest.param("max_power", marks=pytest.mark.slow), "max_leg_rate"]
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("limit", ["max_power", "max_leg_rate"])
 def test_gaits_are_chosen_that_keep_the_limits(model, limit):
     goal = (0.1, 0.15, 0.4)
     asked = rr.plan(model, goal).demands()

@@ -372,7 +372,10 @@ def mutated_tree(rng: random.Random) -> str:
     return ET.tostring(tree, encoding="unicode")
 
 
-@pytest.mark.parametrize(("mutate", "least"), [(mutated_text, 10), (mutated_tree, 60)])
+@pytest.mark.parametrize(
+    ("mutate", "least"),
+    [(mutated_text, 10), pytest.param(mutated_tree, 60, marks=pytest.mark.slow)],
+)
 def test_four_hundred_mutations_are_read_or_refused(capfd, mutate, least):
     accepted = sum(read_or_refuse(mutate(random.Random(seed))) for seed in range(400))
     capfd.readouterr()

@@ -29,6 +29,7 @@ from rrrobot.view.server import MOST_CONNECTIONS, _key, _put, pack
 from rrrobot.view.shapes import robot_visuals
 from rrrobot.view.viewer import Viewer
 from tests.browser import Browser, find_browser
+from tests.some import some
 
 SIZE = (320, 180)
 
@@ -194,6 +195,7 @@ def test_robot_is_in_the_picture_all_the_way(browser, follow, tmp_path):
     assert browser.problems == []
 
 
+@pytest.mark.slow
 @needs_browser
 @pytest.mark.filterwarnings("ignore:the viewer")
 def test_any_robot_is_drawn(browser, tmp_path):
@@ -462,6 +464,7 @@ def test_live_robot_is_seen_to_move(browser, trajectory, capfd):
     assert "".join(capfd.readouterr()) == ""
 
 
+@pytest.mark.slow
 @needs_browser
 def test_live_play_keeps_time_and_draws_the_trace(browser, trajectory):
     pieces = f"Object.keys(viewer.scene_tree.find({['world', 'ground', 'trace']}).children).length"
@@ -686,7 +689,7 @@ print(viewer.url, flush=True)
 """
 
 
-@pytest.mark.parametrize("end", ["pass", "raise SystemExit(3)", "time.sleep(60)"])
+@pytest.mark.parametrize("end", some(("pass", "raise SystemExit(3)", "time.sleep(60)"), {"pass"}))
 def test_server_dies_with_the_script(end):
     script = subprocess.Popen(
         [sys.executable, "-W", "error", "-c", SCRIPT.format(end=end)],
