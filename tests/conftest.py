@@ -1,7 +1,9 @@
 """What tests of the command line share, and the engine compiled before workers start."""
 
+import os
 import subprocess
 import sys
+import tempfile
 
 import numpy as np
 import pytest
@@ -12,18 +14,24 @@ _MODEL = "import rrrobot as rr; robot = rr.Robot.from_parameters(); model = rr.F
 _SWEEP = "rr.sweep(model, offset=[1.0], cycles=4, loads=True, progress=False); "
 _RUN = "rr.simulate(model, rr.gait('lateral'), 0.1, method='momentum'); "
 _ORBIT = "rr.sweep(model, offset=[1.0], settle='orbit', progress=False); "
+_PLAN = "rr.plan(model, goal=(0.0, 0.1, 0.0)); "
 _JOBS = (
-    _MODEL.format("") + _SWEEP + _RUN,
-    _MODEL.format("") + _ORBIT + _MODEL.format(", ground=rr.Boulder(1.0)") + _SWEEP + _RUN,
+    _MODEL.format("") + _SWEEP + _RUN + _MODEL.format(", ground=rr.Boulder(1.0)") + _SWEEP + _RUN,
+    _MODEL.format("") + _ORBIT + _PLAN,
 )
 
 
 def pytest_sessionstart(session: pytest.Session) -> None:
     """Compile the engine in two processes, a part in each; every worker would compile it all."""
     if getattr(session.config.option, "numprocesses", None):
-        jobs = [subprocess.Popen((sys.executable, "-W", "ignore", "-c", job)) for job in _JOBS]
-        if any([job.wait() for job in jobs]):
-            raise RuntimeError("the engine cannot be compiled; see above")
+        with tempfile.TemporaryDirectory() as home:
+            environment = os.environ | {"XDG_CACHE_HOME": home}
+            jobs = [
+                subprocess.Popen((sys.executable, "-W", "ignore", "-c", job), env=environment)
+                for job in _JOBS
+            ]
+            if any([job.wait() for job in jobs]):
+                raise RuntimeError("the engine cannot be compiled; see above")
 
 
 @pytest.fixture(scope="session")

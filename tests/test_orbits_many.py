@@ -6,7 +6,8 @@ import pytest
 import rrrobot as rr
 from rrrobot.drive.gaits import GaitBatch
 from rrrobot.momentum.batch import RESULT, lower, settled
-from rrrobot.orbits.many import orbits_of
+from rrrobot.momentum.cycle_search import _search
+from rrrobot.orbits.many import Orbits, orbits_of
 from tests.some import some
 
 ROBOT = rr.Robot.from_parameters()
@@ -32,6 +33,18 @@ def test_a_gait_has_the_same_bits_in_any_chunk():
         part = orbits_of(setting, gaits.rows(slice(first, last)), 20)
         np.testing.assert_array_equal(part.results, whole.results[first:last])
         np.testing.assert_array_equal(part.multiplier, whole.multiplier[first:last])
+
+
+def test_the_search_is_compiled_once_however_it_begins():
+    """Compiling takes long; arguments of other types would have it done again."""
+    setting = lower(rr.FullModel(ROBOT))
+    found = orbits_of(setting, some_gaits(3), 20)
+    ways = len(_search.signatures)
+    # Wild gaits are tried again; others begin at a neighbour's orbit.
+    assert (orbits_of(setting, some_gaits(37, 2, 2.5, seed=3), 20).results[:, STATUS] != 0).any()
+    first = Orbits(*(part[:1] for part in found))
+    orbits_of(setting, some_gaits(3), 20, stability="none", near=first)
+    assert len(_search.signatures) == ways
 
 
 @pytest.mark.parametrize(

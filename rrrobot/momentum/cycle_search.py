@@ -129,7 +129,7 @@ def search(
     width = N_ANY_MOTION if setting.axis == ANY else N_MOTION
     counts = [max(2 + k, ceil(part * steps)) for k, part in enumerate((_CRUDE, _COARSE))]
     parts = [(1 + d + more) * count / steps for count, more in zip(counts, _MORE, strict=True)]
-    before = 0.0 if start is not None else settling + 1 + d if settling > 0 else sum(parts)
+    before = float(0 if start is not None else settling + 1 + d if settling > 0 else sum(parts))
     found = Found(
         np.full((n, N_RESULT), np.nan), np.empty((n, d)), np.full((n, d, d), np.nan), np.empty(n),
         before, np.full((n, steps, width), np.nan),
