@@ -242,7 +242,7 @@ def test_links_and_joints_may_share_names_when_joints_are_locked():
     assert centers[0] == pytest.approx(centers[1], abs=1e-12)
 
 
-def test_bad_bellies_are_named():
+def test_bad_bellies_are_named(tmp_path):
     plain = board().replace("<collision>", "<sensor>").replace("</collision>", "</sensor>")
     bare = rr.Robot.from_urdf(plain, shell=rr.Sphere(1.0))
     with pytest.raises(rr.ShellError, match="base of board has no collision or visual shape"):
@@ -258,6 +258,18 @@ def test_bad_bellies_are_named():
     lost = board().replace(f'<box size="{LENGTH} {WIDTH} {HEIGHT}"/>', '<mesh filename="no.stl"/>')
     with pytest.raises(rr.ShellError, match=r"'no.stl' is not found"), pytest.warns(rr.UrdfWarning):
         rr.fit_belly(rr.Robot.from_urdf(lost, shell=rr.Sphere(1.0)))
+    broken = tmp_path / "broken.stl"
+    broken.write_bytes(b"no triangles")
+    text = lost.replace("no.stl", str(broken))
+    with pytest.raises(rr.ShellError) as told, pytest.warns(rr.UrdfWarning):
+        rr.fit_belly(rr.Robot.from_urdf(text, shell=rr.Sphere(1.0)))
+    assert "broken.stl' cannot be read (Could not load" in str(told.value)
+    assert "in function" not in str(told.value) and "package_dirs=" in str(told.value)
+    thin = board().replace(
+        f'<box size="{LENGTH} {WIDTH} {HEIGHT}"/>', '<box size="0.4 0.001 0.1"/>'
+    )
+    with pytest.raises(rr.ShellError, match="1 mm wide: no belly fits an underside"):
+        rr.fit_belly(rr.Robot.from_urdf(thin, shell=rr.Sphere(1.0)))
     tight = rr.fit_belly(robot(arms=False), ground=rr.Boulder(-0.3), form="sphere")
     assert "curves tighter than the shell" in tight.reason and not tight.stable
 

@@ -10,6 +10,7 @@ from click.testing import CliRunner, Result
 
 import rrrobot as rr
 from rrrobot.cli.main import cli
+from tests.test_belly import HEIGHT, LENGTH, WIDTH, board
 
 pytestmark = pytest.mark.usefixtures("compiled_engine")
 
@@ -72,3 +73,30 @@ def test_bad_input_is_one_line(args: tuple[str, ...], message: str) -> None:
     result = run(*args)
     assert result.exit_code == 1
     assert message in result.stderr and len(result.stderr.splitlines()) == 1
+
+
+@pytest.mark.parametrize(
+    ("change", "ground", "said"),
+    [
+        # Legs that their limits keep below the belly.
+        (('lower="-1.0" upper="1.0"', 'lower="0.5" upper="1.0"'), "level",
+         ("forward: ", "mm in the ground within 15 degrees", "touches the ground at rest", "Try")),
+        # A rest that is not stable.
+        ((f'<box size="{LENGTH} {WIDTH} {HEIGHT}"/>', f'<box size="{LENGTH} {WIDTH} 0.6"/>'),
+         "boulder:0.2",
+         ("off:0: it tips over in roll", "above the centre of curvature", "Try another form=")),
+        (('type="revolute"', 'type="planar"'), "level",
+         ("joint 'left_hip' has 3 degrees of freedom", "revolute, continuous or prismatic")),
+        (("", ""), "bowl:0.15", ("the ground curves tighter than the shell", "wider ground")),
+    ],
+)  # fmt: skip
+def test_robots_that_cannot_are_told_why(
+    tmp_path: Path, change: tuple[str, str], ground: str, said: tuple[str, ...]
+) -> None:
+    path = tmp_path / "board.urdf"
+    path.write_text(board().replace(*change))
+    goal = "off:0" if ground.startswith("boulder") else "forward"
+    result = run(path, "--ground", ground, "--goal", goal, "--quiet")
+    assert result.exit_code == 1 and len(result.stderr.splitlines()) == 1
+    for text in said:
+        assert text in result.stderr, result.stderr

@@ -1,5 +1,8 @@
 """Off a rock: a board with a heavy arm that leans over the belly's edge."""
 
+import json
+from dataclasses import replace
+
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -7,8 +10,12 @@ import pytest
 import rrrobot as rr
 from rrrobot.escape.goals import goal_of
 from rrrobot.escape.limits import EscapeLimits
-from rrrobot.escape.report import off_rows
-from rrrobot.escape.rolling_off import roll_off, way_of
+from rrrobot.escape.report import report_html
+from rrrobot.escape.rolling_off import roll_off
+from rrrobot.escape.spaces import GROUPS
+from rrrobot.escape.story import _Work
+from rrrobot.escape.way_rows import off_rows
+from rrrobot.escape.ways import way_of
 from tests.test_belly import BALL, HEIGHT, LENGTH, MASS, WIDTH, joint, link
 
 ARM, RADIUS = 2.0, 0.25
@@ -35,7 +42,7 @@ def off(belly, goal, **options):
     return roll_off(belly, goal_of(goal), LIMITS, ends, damping=0.3, **{"floor": 1.0, **options})
 
 
-def test_a_robot_leans_over_the_edge_and_slides_off_to_that_side(crane, tmp_path):
+def test_a_robot_leans_over_the_edge_and_slides_off_to_that_side(crane):
     way = off(crane, "off:90")
     assert way.met and way.ended == "slide" and way.reason == ""
     # The arm goes to the end of its range, less what is kept there.
@@ -66,9 +73,6 @@ def test_a_robot_leans_over_the_edge_and_slides_off_to_that_side(crane, tmp_path
     rows = off_rows(way)
     assert "mm left of the rock's top" in rows["there its base is"]
     assert "comes down at up to" in rows["to the floor it still falls"]
-    run.save(tmp_path / "run.npz")
-    again = way_of(way.to_dict(), tmp_path / "run.npz")
-    assert again.to_dict() == way.to_dict()
 
 
 def test_what_does_not_go_off_says_why(crane):
@@ -91,3 +95,65 @@ def test_the_rock_holds_a_robot_whose_legs_reach_less_far():
     lever = way.shift * np.cos(tilt) + height * np.sin(tilt)
     place = RADIUS * tilt
     assert lever == pytest.approx(place * np.cos(tilt), abs=1e-3)
+
+
+def test_the_story_goes_on_until_it_lies_on_the_floor(tmp_path):
+    def told():
+        return rr.unstick(
+            crane_of(0.15), goals=["off:90"], floor=1.0, budget=300, postures=1, limits=LIMITS,
+            folder=tmp_path,
+        )  # fmt: skip
+
+    found = told()
+    way = found.off["off:90"]
+    (lying,) = way.lying
+    assert found.met and way.met and way.after is None
+    # On the arm's side, with the board's edge: no belly.
+    assert (
+        lying.links == ("arm", "base")
+        and lying.tilt > np.pi / 2
+        and lying.left > way.path[0][-1, 1]
+    )
+    np.testing.assert_allclose(way.path[1][0], way.path[0][-1])
+    rows = off_rows(way)
+    assert "arm, base" in rows["comes to lie on"] and "on its side" in rows["comes to lie on"]
+    assert "takes all of its energy" in rows["assumed of that"]
+    assert rows["goes on from there"] == "no: it does not lie on its belly"
+    page = report_html(found, films=False)
+    assert "comes to lie on" in page and page.count("data:image/png") == 2
+    # What is on disk says the same.
+    assert told().off["off:90"].to_dict() == way.to_dict()
+
+
+@pytest.mark.filterwarnings("ignore::rrrobot.UrdfWarning")
+def test_a_foot_that_reaches_the_floor_first_is_no_way_off():
+    belly = rr.fit_belly("anymal", ground=rr.Boulder(0.2))
+    way = off(belly, "off:90", floor=0.45)
+    assert way.ended == "floor" and way.link.endswith("FOOT") and not way.met
+    assert "FOOT reaches the floor while the belly still lies on the rock" in way.reason
+
+
+@pytest.mark.slow
+def test_a_robot_that_comes_down_on_its_belly_goes_on_to_that_side(tmp_path):
+    """A ball that its rock lets go upright: the fall is made up, what follows is not."""
+    belly = rr.fit_belly(rr.Robot.from_parameters(), ground=rr.Boulder(1.0))
+    work = _Work(belly, EscapeLimits(), None, GROUPS, None, 0.1, 1)
+    way = replace(work.off(goal_of("off:90"), 0.3), met=True, ended="lift-off", reason="", link="")
+    way = work.onward(way, 600, 1, 1, lambda *_: None)
+    (lying,) = way.lying
+    gait = way.after
+    assert way.stays == "" and lying.links == ("shell",) and gait.met
+    # In one frame: it goes on from where it lies, to the wanted side.
+    falls, goes = way.path[1:]
+    np.testing.assert_allclose(goes[0], falls[-1])
+    period, run = gait.gait.period, gait.trajectory
+    cycle = int(np.searchsorted(run.time, run.time[-1] - 4 * period - 1e-9))
+    velocity = (goes[-1] - goes[cycle]) / (run.time[-1] - run.time[cycle])
+    assert velocity @ way.goal.weights[:2] == pytest.approx(gait.value, rel=0.02)
+    wanted = np.arctan2(way.goal.weights[1], way.goal.weights[0])
+    assert np.arctan2(*velocity[::-1]) == pytest.approx(wanted, abs=np.deg2rad(10))
+    assert "to that side" in off_rows(way)["goes on from there"]
+    way.trajectory.save(tmp_path / "run.npz")
+    gait.trajectory.save(tmp_path / f"{way.after_name}.npz")
+    again = way_of(way.to_dict(), tmp_path, "run.npz")
+    assert json.dumps(again.to_dict()) == json.dumps(way.to_dict())

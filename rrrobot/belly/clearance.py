@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -31,13 +32,21 @@ class Clearances(NamedTuple):
     """which of `shapes.pairs` that is (n,)"""
 
 
-def clearances(shapes: Shapes, configurations: Array, ground: Ground) -> Clearances:
+def gauges(shapes: Shapes, ground: Ground) -> list[Gauge]:
+    """One for each piece, for those who ask `clearances` again and again."""
+    return [Gauge([piece], curvature_of(ground)) for piece in shapes.pieces]
+
+
+def clearances(
+    shapes: Shapes, configurations: Array, ground: Ground, *, known: Sequence[Gauge] | None = None
+) -> Clearances:
     """Distances from the ground and between links.
 
     Args:
         shapes: of the robot.
         configurations: Pinocchio's q (n, nq), such as `trajectory.configuration`.
         ground: that the robot is on; it may touch anywhere.
+        known: `gauges` of the shapes and the ground; made unless given.
 
     Example:
         >>> import rrrobot as rr
@@ -67,23 +76,26 @@ def clearances(shapes: Shapes, configurations: Array, ground: Ground) -> Clearan
             )
     links = shapes.links
     height = np.full((n, len(links)), np.inf)
-    for piece in shapes.pieces:
-        i = links.index(piece.link)
-        own = _from_ground(piece, ground, rotation[piece.joint], place[piece.joint])
+    even = isinstance(ground, Plane | Boulder)
+    if even and known is None:
+        known = gauges(shapes, ground)
+    for k, piece in enumerate(shapes.pieces):
+        i, turn, at = links.index(piece.link), rotation[piece.joint], place[piece.joint]
+        if even and known is not None:
+            own = _from_ground(known[k], ground, turn, at)
+        else:
+            own = _from_uneven(piece, ground, turn, at)
         height[:, i] = np.minimum(height[:, i], own)
     return Clearances(height, links, between, pair)
 
 
-def _from_ground(piece: Piece, ground: Ground, rotation: Array, place: Array) -> Array:
+def _from_ground(gauge: Gauge, ground: Ground, rotation: Array, place: Array) -> Array:
     """Distance of a piece from the ground (n,) [m], its joint at placements (n, 3, 3), (n, 3)."""
-    if not isinstance(ground, Plane | Boulder):
-        return _from_uneven(piece, ground, rotation, place)
     # The ground in the joint's frame, where the piece stays.
     normal = ground.normal(np.zeros(3))
     point = -np.einsum("nij,ni->nj", rotation, place)
     outward = np.einsum("nij,i->nj", rotation, -normal)
-    k = curvature_of(ground)
-    return Gauge([piece], k)(Touches(point, outward, k))[:, 0]
+    return gauge(Touches(point, outward, gauge.curvature))[:, 0]
 
 
 def _from_uneven(piece: Piece, ground: Ground, rotation: Array, place: Array) -> Array:

@@ -60,7 +60,7 @@ def underside(shapes: Shapes, leg_angle: Array, directions: Array) -> Underside:
         directions: normals at which the belly is to be rolled on (n, 3).
 
     Raises:
-        ShellError: the base has no shape at all.
+        ShellError: the base has no shape at all, or none with a width.
     """
     robot = shapes.robot
     base = shapes.on_joint(1)
@@ -75,6 +75,12 @@ def underside(shapes: Shapes, leg_angle: Array, directions: Array) -> Underside:
     axes = np.vstack((np.eye(3), -np.eye(3)))
     length = support(base, axes).reshape(2, 3).sum(axis=0)
     width = float(length[:2].min())
+    if width < _FLAT:
+        raise ShellError(
+            f"the base of {robot.name} is {1e3 * width:.3g} mm wide: no belly fits an underside "
+            "that is no more than a line. Give it a collision or visual shape of its size, or a "
+            "shell of your own."
+        )
     height, covered = support(base, directions), []
     low, high = leg_ranges(robot)
     for joint in range(2, robot.model.njoints):

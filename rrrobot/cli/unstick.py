@@ -157,7 +157,7 @@ def robot_of(name: str) -> Any:
 
 
 def _table(found: Unstuck) -> str:
-    from rrrobot.escape.report import gait_rows, off_rows
+    from rrrobot.escape.way_rows import gait_rows, off_rows
 
     rows = [("belly", repr(found.belly))]
     for mode in found.belly.modes:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -18,9 +19,10 @@ from rrrobot.belly.feasible import feasibility
 from rrrobot.belly.found import Belly
 from rrrobot.checks import Array
 from rrrobot.drive.gaits import FourierGait, RampIn, SinusoidalGait
+from rrrobot.drive.tables import gait_from_dict
 from rrrobot.errors import ModelError, SimulationError, SimulationInterrupted
 from rrrobot.escape.bench import Bench
-from rrrobot.escape.goals import Escape
+from rrrobot.escape.goals import Escape, goal_of
 from rrrobot.escape.limits import Rules
 from rrrobot.escape.polish import Judged
 from rrrobot.inline import html_table
@@ -33,6 +35,8 @@ from rrrobot.simulation.trajectory import Trajectory
 
 AGREE = 0.01
 """Largest relative difference of engine and KKT model that a gait may have."""
+SLOWEST = 1e-3
+"""Lengths of the robot in a second, or radians, below which a gait goes nowhere."""
 RAMPS = (8, 24)
 """Cycles of blending in: the second where the first breaks a limit that the settled cycle keeps."""
 _COUNTED = 4
@@ -162,6 +166,9 @@ def confirm(
         if problems or not fine.feasible or whole.feasible:
             break
     problems += [str(one) for one in (*whole.violations, *fine.violations)]
+    least = SLOWEST if rules.goal.turns or rules.goal.leans else SLOWEST * rules.length
+    if settled.value < least and not problems:
+        problems.append(f"it all but stands, with {settled.value:.2g} {rules.goal.unit}")
     if settled.discrepancy > AGREE and not problems:
         problems.append(
             f"engine and KKT model differ by {100 * settled.discrepancy:.2g} %: the motion is not "
@@ -217,3 +224,35 @@ def leaning_to(euler: Array, goal: Escape) -> float:
     tilt = np.arccos(np.clip(np.cos(roll) * np.cos(pitch), -1, 1))
     lean = -up * (tilt / np.maximum(size, 1e-12))[:, None]
     return float((lean @ np.array(goal.weights[:2])).max())
+
+
+def gait_of(entry: Mapping[str, Any], run: Path) -> EscapeGait:
+    """The gait of `to_dict`, with the trajectory that a file holds."""
+
+    def numbers(values: Any) -> Any:
+        return np.array([np.nan if v is None else v for v in values], dtype=float)
+
+    measured = {k: np.nan if v is None else float(v) for k, v in entry["measured"].items()}
+    gait: Any = gait_from_dict(entry["gait"])
+    return EscapeGait(
+        goal=goal_of(entry["goal"]["name"]), gait=gait, ramp=entry["ramp"], value=entry["value"],
+        travel=numbers(entry["travel"]), met=entry["met"], shortfalls=tuple(entry["shortfalls"]),
+        binding=tuple(entry["binding"]), measured=measured, torque=numbers(entry["torque"]),
+        torque_share=numbers(entry["torque_share"]), discrepancy=entry["discrepancy"],
+        trajectory=Trajectory.load(run),
+    )  # fmt: skip
+
+
+def why_not(gait: EscapeGait) -> str:
+    """What the nearest gait breaks, and what to try."""
+    ways = {
+        "friction": "smaller swings, or ground with more friction (limits.friction)",
+        "clearance": "a smaller limits.tilt, or legs held higher (posture=)",
+        "separation": "other joints (joints=), or legs spread wider (posture=)",
+        "tilt": "a belly that rolls further (fit_belly(tilt=...))",
+        "stands": "other groups= or more joints=, or another goal",
+        "engine": "another damping, or frequencies away from twice a rocking mode",
+    }
+    said = "; ".join(gait.shortfalls)
+    tries = [way for word, way in ways.items() if word in said.lower()]
+    return f"the nearest gait breaks a limit: {said}. Try {'; '.join(tries) or 'a larger budget'}."

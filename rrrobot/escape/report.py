@@ -5,6 +5,7 @@
     NAME.json                the gait, for `read_gait` and --gait
     NAME.csv, NAME.ros.json  set-points of one period for the joints' controllers
     NAME.npz                 the run that confirms it
+    NAME_floor.*             of the gait that goes on from below a rock
     unstick.json             all numbers
 
 NAME is the goal's, as turn_left.
@@ -26,7 +27,8 @@ from rrrobot.drawing import COLOURS, FONT, line, new_figure, tidy
 from rrrobot.drive.tables import gait_table, write_gait
 from rrrobot.escape.belly_rows import belly_rows
 from rrrobot.escape.confirming import EscapeGait
-from rrrobot.escape.rolling_off import RollOff
+from rrrobot.escape.way_rows import gait_rows, off_rows, share_text, shown_value
+from rrrobot.escape.ways import RollOff
 from rrrobot.files import write_whole
 from rrrobot.inline import html_table, png
 from rrrobot.robot.joints import sliding
@@ -96,7 +98,13 @@ def _off_files(way: RollOff, place: Path, *, films: bool) -> list[Path]:
         table.to_csv(place / f"{name}.csv"),
         table.to_ros(place / f"{name}.ros.json"),
     ]
-    return [*written, record(run, place / f"{name}.html", speed=0.5)] if films else written
+    if films:
+        written.append(record(run, place / f"{name}.html", speed=0.5))
+    if way.after is not None:
+        written += _robot_files(way.after, place, way.after_name)
+        if films:
+            written.append(_film(way.after, place / f"{way.after_name}.html"))
+    return written
 
 
 def _film(gait: EscapeGait, path: Path) -> Path:
@@ -128,7 +136,12 @@ def report_html(found: Unstuck, *, films: bool = True) -> str:
         if goal.name in found.reasons:
             parts.append(f'<p class="no">{escape(found.reasons[goal.name])}</p>')
         if goal.name in found.off:
-            parts.append(html_table("Rolling off the rock", off_rows(found.off[goal.name])))
+            way = found.off[goal.name]
+            parts.append(html_table("Rolling off the rock", off_rows(way)))
+            if way.met:
+                parts.append(_picture(png(path_figure(way))))
+            if way.after is not None:
+                parts.append(html_table("Settled cycle on the floor", gait_rows(way.after)))
         for gait in found.found.get(goal.name, ()):
             parts.append(html_table("Settled cycle", gait_rows(gait)))
             parts.append(html_table("Joints", _joint_rows(gait), head=_JOINT_HEAD))
@@ -166,78 +179,6 @@ def _summary(found: Unstuck, *, films: bool) -> str:
             if goal.name in found.found or (goal.name in found.off and found.off[goal.name].met)
         ]
     return html_table("Ways", rows, head=head) + "<p>" + " · ".join(links) + "</p>"
-
-
-def shown_value(gait: EscapeGait) -> str:
-    """The goal's value with everyday units."""
-    if gait.goal.leans or gait.goal.turns:
-        unit = "deg" if gait.goal.leans else "deg/s"
-        return f"{np.rad2deg(gait.value):.1f} {unit}"
-    return f"{1000 * gait.value:.1f} mm/s"
-
-
-def share_text(gait: EscapeGait) -> str:
-    """Largest torque over its limit."""
-    share = gait.torque_share[np.isfinite(gait.torque_share)]
-    return f"{100 * share.max():.0f} %" if share.size else "no limit in the file"
-
-
-def off_rows(way: RollOff) -> dict[str, str]:
-    """What comes of leaning off a rock, in everyday units."""
-    rows = {
-        "legs move the centre of mass": f"{1000 * way.shift:.0f} mm to that side, in "
-        f"{way.drive.duration:.2f} s",
-        "friction needed until it goes over": f"{way.friction:.2f}",
-        "off the rock": "yes" if way.met else f"no: {way.reason}",
-    }
-    if np.isfinite(way.over):
-        rows["goes over"] = f"at {way.over:.2f} s"
-    if way.met:
-        ends = {"floor": f"{way.link} reaches the floor", "slide": "it slides off"}
-        told = ends.get(way.ended, "the rock pushes no longer")
-        rows["ends"] = f"at {way.duration:.2f} s: {told}"
-        at, deg = way.landing, np.rad2deg
-        rows["there its base is"] = (
-            f"{1000 * at.ahead:.0f} mm ahead and {1000 * at.left:.0f} mm left of the rock's top, "
-            f"faces {deg(at.heading):.0f} deg to the left and leans {deg(at.tilt):.0f} deg"
-        )
-        rows["its centre of mass moves at"] = f"{at.speed:.2f} m/s"
-        if at.room > 0:
-            rows["to the floor it still falls"] = (
-                f"{1000 * at.room:.0f} mm, and comes down at up to {at.impact:.2f} m/s"
-            )
-        rows["from the floor on"] = (
-            "how it comes to lie is not computed; gaits of a robot that lies on its belly there: "
-            "the same command without --ground"
-        )
-    return rows
-
-
-def gait_rows(gait: EscapeGait) -> dict[str, str]:
-    """What a gait does, in everyday units."""
-    m = gait.measured
-    # Plus zero, so that nothing shows as -0.0.
-    ahead, left = np.round(1000 * gait.travel[:2], 1) + 0.0
-    turn = np.round(np.rad2deg(gait.travel[2]), 1) + 0.0
-    rows = {
-        gait.goal.name: shown_value(gait),
-        "ahead, to the left, turning": f"{ahead:.1f} mm/s, {left:.1f} mm/s, {turn:.1f} deg/s",
-        "period": f"{gait.gait.period:.3f} s",
-        "friction needed": f"{m['friction']:.3f}",
-        "least normal force": f"{m['normal_force']:.2f} of the weight",
-        "largest tilt": f"{np.rad2deg(m['tilt']):.1f} deg",
-        "least clearance from the ground": f"{1000 * m['clearance']:.1f} mm",
-        "least distance of links": f"{1000 * m['separation']:.1f} mm",
-        "largest torque over its limit": share_text(gait),
-        "mean power of the motors": f"{m['power']:.2f} W",
-    }
-    for key, unit in (("energy_per_metre", "J/m"), ("energy_per_radian", "J/rad")):
-        if key in m:
-            rows["energy"] = f"{m[key]:.3g} {unit}"
-    rows["engine and KKT model differ by"] = f"{100 * gait.discrepancy:.2g} %"
-    rows["binding"] = ", ".join(gait.binding) or "nothing"
-    rows["limits"] = "met" if gait.met else "NOT MET"
-    return rows
 
 
 _JOINT_HEAD = ("joint", "from [deg]", "to [deg]", "rate [rad/s]", "torque [N m]", "of its limit")
@@ -280,6 +221,21 @@ def gait_figure(gait: EscapeGait) -> Any:
     legs.set_ylim(low, high + 0.35 * (high - low))
     legs.legend(fontsize=FONT - 2, frameon=False, ncols=2, loc="upper center")
     legs.set_title("joints that swing most", fontsize=FONT)
+    return figure
+
+
+def path_figure(way: RollOff) -> Any:
+    """The base's path from the top of the rock on, seen from above."""
+    figure = new_figure(5.0, 3.6)
+    axes = figure.subplots()
+    names = ("on the rock", "coming to lie", "on the floor")
+    for k, (part, name) in enumerate(zip(way.path, names, strict=False)):
+        axes.plot(100 * part[:, 1], 100 * part[:, 0], label=name, **line(k))
+    axes.plot(0.0, 0.0, "o", color=COLOURS[1], markersize=4)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.invert_xaxis()
+    tidy(axes, "to the left of the rock's top [cm]", "ahead [cm]")
+    axes.legend(fontsize=FONT - 1, frameon=False)
     return figure
 
 

@@ -7,24 +7,26 @@ reaches the floor, it slides off, or the rock pushes no longer. A round belly ro
 
 There the run ends: what follows is a fall, and blows of which nobody knows how they end. `Landing`
 tells the place, the speed and the pose in which the rock lets go, and bounds the speed below.
+`Lying` is how it comes to lie if the blows take all of its energy; if that is on its belly, a gait
+on level ground goes on from there.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from pathlib import Path
+from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pinocchio as pin
 
-from rrrobot.belly.clearance import clearances
+from rrrobot.belly.clearance import clearances, gauges
 from rrrobot.belly.feasible import feasibility
 from rrrobot.belly.fit import with_shell
 from rrrobot.belly.found import Belly
 from rrrobot.belly.placed import touches
 from rrrobot.belly.posture import reaching_posture
+from rrrobot.belly.tilting import tilts
 from rrrobot.checks import Array, finite
 from rrrobot.contact.boulder import Boulder
 from rrrobot.contact.ground import normals
@@ -33,11 +35,11 @@ from rrrobot.contact.surfaces import Ellipsoid
 from rrrobot.drive.damping import Damping
 from rrrobot.drive.gaits import CallableGait, Gait
 from rrrobot.drive.moves import LegMoves, Straight
-from rrrobot.drive.tables import gait_from_dict
 from rrrobot.errors import ModelError, SimulationError, SimulationInterrupted
-from rrrobot.escape.goals import Escape, goal_of
-from rrrobot.escape.landing import Landing, heights, landing
+from rrrobot.escape.goals import Escape
+from rrrobot.escape.landing import heights, landing
 from rrrobot.escape.limits import EscapeLimits
+from rrrobot.escape.ways import RollOff
 from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
 from rrrobot.robot.chains import leg_chains
@@ -58,62 +60,6 @@ _FALL, _SAMPLE = 5.0, 0.005
 _ASIDE = np.deg2rad(60.0)
 _FLOOR, _ROCK, _SLIDE, _LEFT = "floor", "rock", "slide", "lift-off"
 _GONE = (_FLOOR, _SLIDE, _LEFT)
-
-
-@dataclass(frozen=True, kw_only=True, eq=False)
-class RollOff:
-    """How a robot gets off a rock, or why it does not.
-
-    Attributes:
-        goal: the side.
-        drive: of the legs, from the belly's posture to the one that leans.
-        shift: of the centre of mass to that side by the legs [m].
-        met: whether the robot goes over, to that side, within the limits until it does.
-        reason: why not, empty if it does.
-        ended: what ended it: "floor", "slide" (more friction would be needed than there is),
-            "lift-off", ...
-        link: that reaches the floor, if one does.
-        over: when the belly is at its edge [s]; NaN if it never is.
-        friction: largest coefficient needed until then.
-        landing: where, how fast and which way up it is at the end of the run.
-        trajectory: all of it, at rest first.
-
-    Example:
-        >>> import rrrobot as rr
-        >>> belly = rr.fit_belly("anymal", ground=rr.Boulder(0.2))  # doctest: +SKIP
-        >>> rr.unstick(belly, goals=["off:90"], floor=0.6).off["off:90"].ended  # doctest: +SKIP
-        'slide'
-    """
-
-    goal: Escape
-    drive: LegMoves
-    shift: float
-    met: bool
-    reason: str
-    ended: str
-    link: str
-    over: float
-    friction: float
-    landing: Landing
-    trajectory: Trajectory = field(repr=False)
-
-    @property
-    def duration(self) -> float:
-        """Of all of it [s]."""
-        return float(self.trajectory.time[-1])
-
-    def to_dict(self) -> dict[str, Any]:
-        """Everything but the trajectory as plain data."""
-        return {
-            "goal": self.goal.to_dict(), "drive": self.drive.to_dict(), "shift": self.shift,
-            "met": self.met, "reason": self.reason, "ended": self.ended, "link": self.link,
-            "over": self.over, "friction": self.friction, "duration": self.duration,
-            "landing": self.landing._asdict(),
-        }  # fmt: skip
-
-    def __repr__(self) -> str:
-        told = f"{self.ended} {self.link}".strip() if self.met else f"NOT MET: {self.reason}"
-        return f"RollOff({self.goal.name}: {self.duration:.3g} s, {told})"
 
 
 def roll_off(
@@ -162,9 +108,17 @@ def roll_off(
         over = float(run.time[-1])
         run, ended = _tipped(belly, model, drive, run, [*watch, _slide(limits.friction)])
     elif said in _GONE:
-        over = float(run.time[-1])
-    link = _lowest(belly, run, depth) if ended == _FLOOR else ""
-    reason = _reason(belly, run, side, shift, ended, [str(v) for v in own.violations])
+        rolled, around = tilts(belly, run.configuration[-1:], run.position[-1:], ground)
+        if said != _FLOOR or rolled[0] >= belly.rolling_range.at(around)[0]:
+            over = float(run.time[-1])
+    link = _lowest(belly, run) if ended == _FLOOR else ""
+    broken = [str(v) for v in own.violations]
+    reason = _reason(belly, run, side, shift, ended, broken)
+    if not reason and np.isnan(over):
+        reason = (
+            f"{link} reaches the floor while the belly still lies on the rock, rolled by "
+            f"{np.rad2deg(rolled[0]):.0f} deg: legs higher with posture=, or a higher rock (floor=)"
+        )
     return RollOff(
         goal=goal, drive=drive, shift=shift, met=not reason, reason=reason, ended=ended, link=link,
         over=over, friction=own.peak_friction, landing=landing(belly, run, depth), trajectory=run,
@@ -266,13 +220,14 @@ def _watch(belly: Belly, depth: float) -> list[Event]:
         return float(heights(belly, at.dynamics.q).min()) + depth
 
     def room(at: Snapshot) -> float:
-        found = clearances(alone, at.dynamics.q[None], at.model.ground)
+        found = clearances(alone, at.dynamics.q[None], belly.ground, known=known)
         limbs = [i for i, link in enumerate(found.links) if link not in base]
         return float(found.ground[0, limbs].min(initial=1.0))
 
     # Without pairs: links were looked at before.
     alone = replace(shapes)
     alone.__dict__["pairs"] = []
+    known = gauges(shapes, belly.ground)
     return [Event(height, True, -1, _FLOOR), Event(room, True, -1, _ROCK), lift_off()]
 
 
@@ -288,7 +243,7 @@ def _slide(friction: float) -> Event:
     return Event(left, True, -1, _SLIDE)
 
 
-def _lowest(belly: Belly, run: Trajectory, depth: float) -> str:
+def _lowest(belly: Belly, run: Trajectory) -> str:
     lowest = int(np.argmin(heights(belly, run.configuration[-1])))
     return belly.shapes.pieces[lowest].link
 
@@ -318,15 +273,3 @@ def _reason(
         f"the legs move the centre of mass {1000 * shift:.0f} mm to that side, which rolls the "
         f"belly {1000 * place:.0f} mm, and it stays on the rock: a smaller rock would let it go"
     )
-
-
-def way_of(entry: Mapping[str, Any], run: Path) -> RollOff:
-    """The way of `to_dict`, with the trajectory that a file holds."""
-    drive: Any = gait_from_dict(entry["drive"])
-    numbers = {key: entry[key] for key in ("shift", "met", "reason", "ended", "link", "friction")}
-    over = float("nan") if entry["over"] is None else float(entry["over"])
-    return RollOff(
-        goal=goal_of(entry["goal"]["name"]), drive=drive, over=over,
-        landing=Landing(**entry["landing"]),
-        trajectory=Trajectory.load(run), **numbers,
-    )  # fmt: skip

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
+from dataclasses import replace
+from functools import cached_property, partial
 from pathlib import Path
 from typing import Any
 
@@ -15,26 +16,32 @@ from rrrobot.belly.found import Belly
 from rrrobot.contact.boulder import Boulder
 from rrrobot.contact.ground import Ground
 from rrrobot.drive.damping import Damping
-from rrrobot.errors import GaitError, ModelError, ParameterError
+from rrrobot.errors import GaitError, ModelError, ParameterError, ShellError
 from rrrobot.escape.atlas import Atlas
 from rrrobot.escape.bench import Bench
 from rrrobot.escape.bodies import base_length, capsules_of, with_legs
-from rrrobot.escape.confirming import EscapeGait, confirm
+from rrrobot.escape.confirming import EscapeGait, confirm, why_not
 from rrrobot.escape.finding import SAME, UNLIKE, find_gaits, gap
 from rrrobot.escape.goals import ROCK, USUAL, Escape, goal_of
+from rrrobot.escape.landing import heights
 from rrrobot.escape.limits import TOUCH, EscapeLimits, Rules
 from rrrobot.escape.loss import RATIO, rocking_damping, rocking_modes
+from rrrobot.escape.lying import comes_to_lie
 from rrrobot.escape.polish import Judged
-from rrrobot.escape.rolling_off import RollOff, roll_off
+from rrrobot.escape.rolling_off import roll_off
 from rrrobot.escape.spaces import GROUPS
 from rrrobot.escape.stances import stances
 from rrrobot.escape.unstuck import Unstuck
+from rrrobot.escape.ways import RollOff
 from rrrobot.models.full import FullModel
 from rrrobot.progress import Progress, Tell, checked_progress, progress_of
 from rrrobot.robot.robot import Robot
 
 _TRIED = 12
 """Gaits that are held against all limits for a goal until enough are confirmed, at most."""
+
+_NEAR = 5.0
+"""Of directions [deg]: those so near are one."""
 
 
 def unstick(
@@ -65,7 +72,9 @@ def unstick(
         goals: "forward", "left" (sideways), "turn left", "direction:30", ... see
             `rrrobot.escape.goals`. The usual ones unless given. For "off:90" (off a rock, to the
             left) the legs lean to that side until the belly rolls over its edge; where it does
-            not, the gait that rocks farthest to it is searched.
+            not, the gait that rocks farthest to it is searched. On the floor below it comes to
+            lie as `rrrobot.escape.lying` says, and if that is on its belly, the gait that goes on
+            to that side is searched as on level ground.
         ground: level ground unless given.
         joints: that move, the others are held in the belly's posture; all unless given.
         groups: ways in which limbs may move together; see `rrrobot.escape.spaces`.
@@ -120,13 +129,13 @@ def unstick(
                         belly, limits, joints, tuple(groups), damping, damping_ratio, postures
                     )
                     found = found.known(work.model)
+                wanted_of = (budget, harmonics, solutions, partial(_add, tell, i * budget))
                 if goal.leans:
-                    found = found.rolled(goal, work.off(goal, floor))
-                    if found.off[goal.name].met:
+                    way = work.off(goal, floor)
+                    found = found.rolled(goal, work.onward(way, *wanted_of) if way.met else way)
+                    if way.met:
                         continue
-                gaits = work.gaits(
-                    goal, budget, harmonics, solutions, partial(_add, tell, i * budget)
-                )
+                gaits = work.gaits(goal, *wanted_of)
             except (GaitError, ModelError) as error:
                 found = found.failed(goal, str(error))
             else:
@@ -155,6 +164,8 @@ class _Work:
         if joints is not None:
             belly = with_legs(belly, tuple(joints))
         self.belly, self.limits = belly, limits
+        self.again = partial(_Work, limits=limits, joints=None, groups=groups, damping=damping,
+                             ratio=ratio, postures=postures)  # fmt: skip
         robot, posture = belly.robot, belly.posture
         bare = FullModel(robot, ground=belly.ground, damping=None)
         loss = rocking_damping(bare, posture, ratio) if damping is None else damping
@@ -211,6 +222,53 @@ class _Work:
         return roll_off(
             self.belly, goal, self.limits, self.ends, damping=self.model.damping, floor=floor
         )
+
+    @cached_property
+    def below(self) -> _Work:
+        """The same robot on the floor."""
+        form = "auto" if self.belly.kind == "flat" else self.belly.form
+        belly = fit_belly(self.belly.robot, form=form)
+        if not belly.stable or belly.rolling_range.least <= 0:
+            raise ModelError(f"on the floor, {belly.reason}")
+        return self.again(belly)
+
+    def onward(self, way: RollOff, *wanted: Any) -> RollOff:
+        """How it comes to lie on the floor, and the gait that goes on from there.
+
+        Args:
+            way: off the rock.
+            wanted: as for `gaits`, but for the goal.
+        """
+        if way.link:
+            said = f"it stands between the rock and {way.link}, and what follows is not computed"
+            return replace(way, stays=said)
+        run, shapes = way.trajectory, self.belly.shapes
+        q = run.configuration[-1]
+        floor = float(heights(self.belly, q).min()) - way.landing.room
+        fall = partial(comes_to_lie, shapes, q, run.velocity[-1], floor, gravity=run.gravity)
+        try:
+            belly = self.below.belly
+        except (ModelError, ShellError) as error:
+            return replace(way, lying=fall(posture=self.belly.posture), stays=str(error))
+        lying = fall(posture=belly.posture)
+        way = replace(way, lying=lying)
+        base = {piece.link for piece in shapes.on_joint(1)} | set(belly.covered)
+        down = [base.issuperset(one.links) and one.tilt < belly.rolling_range.least
+                for one in lying]  # fmt: skip
+        if len(lying) > 1 and any(down):
+            return replace(way, stays="whether it lies on its belly depends on how it falls")
+        if not down[0]:
+            return replace(way, stays="it does not lie on its belly")
+        ahead, left, _ = way.goal.weights
+        side = float(np.rad2deg(np.arctan2(left, ahead) - lying[0].heading))
+        # Along an axis of the robot, where gaits are symmetric and fast, if that is near.
+        axis = 90.0 * round(side / 90.0)
+        side = axis if abs(side - axis) < _NEAR else side
+        try:
+            gait = self.below.gaits(goal_of(f"direction:{side:.0f}"), *wanted)[0]
+        except (GaitError, ModelError) as error:
+            return replace(way, stays=str(error))
+        return replace(way, after=gait) if gait.met else replace(way, stays=why_not(gait))
 
     def _nearer(self, bench: Bench, one: Judged) -> Bench | None:
         """None where links stay off the ground and each other; else a bench that knows better."""

@@ -12,19 +12,17 @@ from typing import Any
 import numpy as np
 
 from rrrobot.belly.found import Belly
-from rrrobot.drive.tables import gait_from_dict
 from rrrobot.errors import OutputError, ParameterError
-from rrrobot.escape.confirming import EscapeGait
+from rrrobot.escape.confirming import EscapeGait, gait_of, why_not
 from rrrobot.escape.goals import Escape, goal_of
 from rrrobot.escape.limits import EscapeLimits
-from rrrobot.escape.rolling_off import RollOff, way_of
+from rrrobot.escape.ways import RollOff, way_of
 from rrrobot.files import write_whole
 from rrrobot.inline import html_table
 from rrrobot.models.base import Model
-from rrrobot.simulation.trajectory import Trajectory
 
 STORE = "unstick.json"
-FORMAT = "rrrobot unstick 3"
+FORMAT = "rrrobot unstick 4"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -120,6 +118,8 @@ class Unstuck:
             return replace(new, reasons={**self.reasons, goal.name: way.reason})
         if new.folder is not None:
             way.trajectory.save(new.folder / _run_name(goal.name, 0))
+            if way.after is not None:
+                way.after.trajectory.save(new.folder / f"{way.after_name}.npz")
         return new._kept()
 
     def failed(self, goal: Escape, reason: str) -> Unstuck:
@@ -204,12 +204,12 @@ class Unstuck:
                 )
             found = {
                 name: tuple(
-                    _gait(entry, folder / _run_name(name, i)) for i, entry in enumerate(entries)
+                    gait_of(entry, folder / _run_name(name, i)) for i, entry in enumerate(entries)
                 )
                 for name, entries in data["gaits"].items()
             }
             off = {
-                name: way_of(entry, folder / _run_name(name, 0))
+                name: way_of(entry, folder, _run_name(name, 0))
                 for name, entry in data["off"].items()
                 if entry["met"]
             }
@@ -222,37 +222,8 @@ class Unstuck:
             ) from None
 
 
-def why_not(gait: EscapeGait) -> str:
-    """What the nearest gait breaks, and what to try."""
-    ways = {
-        "friction": "smaller swings, or ground with more friction (limits.friction)",
-        "clearance": "a smaller limits.tilt, or legs held higher (posture=)",
-        "separation": "other joints (joints=), or legs spread wider (posture=)",
-        "tilt": "a belly that rolls further (fit_belly(tilt=...))",
-        "engine": "another damping, or frequencies away from twice a rocking mode",
-    }
-    said = "; ".join(gait.shortfalls)
-    tries = [way for word, way in ways.items() if word in said.lower()]
-    return f"the nearest gait breaks a limit: {said}. Try {'; '.join(tries) or 'a larger budget'}."
-
-
 def _run_name(goal: str, i: int) -> str:
     return f"{goal_of(goal).file_name}{'' if i == 0 else f'_{i + 1}'}.npz"
-
-
-def _gait(entry: Mapping[str, Any], run: Path) -> EscapeGait:
-    def numbers(values: Any) -> Any:
-        return np.array([np.nan if v is None else v for v in values], dtype=float)
-
-    measured = {k: np.nan if v is None else float(v) for k, v in entry["measured"].items()}
-    gait: Any = gait_from_dict(entry["gait"])
-    return EscapeGait(
-        goal=goal_of(entry["goal"]["name"]), gait=gait, ramp=entry["ramp"], value=entry["value"],
-        travel=numbers(entry["travel"]), met=entry["met"], shortfalls=tuple(entry["shortfalls"]),
-        binding=tuple(entry["binding"]), measured=measured, torque=numbers(entry["torque"]),
-        torque_share=numbers(entry["torque_share"]), discrepancy=entry["discrepancy"],
-        trajectory=Trajectory.load(run),
-    )  # fmt: skip
 
 
 def _plain(data: Any) -> Any:

@@ -182,7 +182,8 @@ def _read_together(wanted: Sequence[tuple[Path, Sequence[float]]]) -> list[Mesh 
 
 def _checked(archive: Any, i: int) -> Mesh | MeshError:
     if f"error{i}" in archive:
-        return MeshError(str(archive[f"error{i}"])[:200])
+        # Coal tells its own source file first.
+        return MeshError(str(archive[f"error{i}"]).rpartition("message: ")[2][:200].strip())
     vertices, faces = archive[f"vertices{i}"], archive[f"faces{i}"]
     if not faces.size:
         return MeshError("it has no triangles")
