@@ -147,6 +147,27 @@ def test_the_map_shows_the_motions_that_the_gaits_have():
     assert fast.speed > 0.9 * np.nanmax(chart.speed)
 
 
+def test_the_map_shows_what_settles_slowly_too():
+    knobs = replace(KNOBS, damping=0.001)
+    chart = motion_map(ROBOT, knobs)
+    # A few orbits do not hold; after 38 cycles nine tenths would not have settled.
+    assert np.isnan(chart.speed).mean() < 0.02
+    there = settle(ROBOT, placed(knobs, chart.offset[23], chart.phase[27]))
+    assert chart.speed[23, 27] == pytest.approx(there.speed, rel=1e-5)
+
+
+def test_a_drawn_path_leaves_out_what_nobody_sees(circular):
+    whole, detail = circular.path(), 0.003
+    drawn = circular.path(detail)
+    assert len(drawn) < 0.6 * len(whole)
+    away = np.linalg.norm(whole[:, None] - drawn[None], axis=2).min(axis=1)
+    assert away.max() <= detail
+    assert circular.end() == pytest.approx(whole[-1], abs=1e-12)
+    # Where a period is less than that, some are left out whole.
+    coarse = circular.path(0.05)
+    assert len(coarse) < 76 and np.linalg.norm(np.diff(coarse, axis=0), axis=1).min() > 0.05
+
+
 def test_ghosts_go_where_their_models_go():
     path = ghost(ROBOT, KNOBS, "decoupled").path()
     run = rr.sweep(rr.models.DecoupledModels(ROBOT), offset=np.pi / 4, progress=False)

@@ -123,9 +123,8 @@ class Drawing:
         return new
 
     def _draw_path(self, outcome: Outcome, scene: Scene) -> None:
-        points = outcome.path()
-        points = points[:: 1 + len(points) // _MOST_POINTS]
-        kept = points[thin(points, scene.detail)]
+        kept = outcome.path(scene.detail)
+        kept = kept[:: 1 + len(kept) // _MOST_POINTS]
         centers = _lifted(kept, scene)
         view = scene.view(centers)
         radius = float(np.linalg.norm(centers - centers.mean(axis=0), axis=1).max()) + scene.reach

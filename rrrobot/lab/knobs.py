@@ -104,7 +104,7 @@ class Knobs:
         )
 
     def robot(self, given: Robot) -> Robot:
-        """The given robot with these masses and lengths."""
+        """The given robot with these masses and lengths; gravity is the ground's."""
         p = given.parameters
         if p is None:
             return given
@@ -113,11 +113,11 @@ class Knobs:
             for name, value in zip(BODY, self.body, strict=True)
             if not math.isclose(value, _mean(getattr(p, name)), rel_tol=1e-9)
         }
-        if not changed and self.gravity == p.gravity:
+        if not changed:
             return given
         if "shell_radius" in changed:
             changed["hip_offset"] = p.hip_offset / p.shell_radius * changed["shell_radius"]
-        return _made(replace(p, **changed, gravity=self.gravity))
+        return _made(replace(p, **changed))
 
     def losses(self, axes: tuple[int, int, int] = (1, 1, 1)) -> Damping | None:
         """The damping of these axes; None if there is none."""

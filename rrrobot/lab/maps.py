@@ -12,14 +12,13 @@ from rrrobot.checks import Array
 from rrrobot.drive.gaits import GaitBatch
 from rrrobot.lab.knobs import Knobs
 from rrrobot.lab.outcome import Outcome, Refusal, settle
-from rrrobot.momentum.batch import RESULT, lower, steady_states
+from rrrobot.momentum.batch import RESULT
 from rrrobot.robot.robot import Robot
+from rrrobot.studies.sweeps.variants import engine_of
 
 _OFFSETS, _PHASES = 37, 36
-_CYCLES, _COUNTED, _STEPS = 38, 18, 10
+_STEPS = 10
 _TRIES = 8
-_STILL = 2e-5
-"""[m/s]"""
 _STEP = 1e-3
 """Of the inverse's differences [rad]."""
 
@@ -32,7 +31,7 @@ class MotionMap(NamedTuple):
     phase: Array
     """of leg 2 before leg 1 (n,) [rad]"""
     speed: Array
-    """(m, n) [m/s]; NaN where there is no settled motion"""
+    """(m, n) [m/s]; NaN where no cycle that holds was found, or the robot lifts off"""
     yaw_rate: Array
     """(m, n) [rad/s]"""
 
@@ -49,7 +48,7 @@ def map_key(knobs: Knobs) -> tuple[object, ...]:
 
 
 def motion_map(given: Robot, knobs: Knobs) -> MotionMap:
-    """The map at these amplitudes, frequency, masses and losses.
+    """The map at these amplitudes, frequency, masses and losses, by limit cycles.
 
     Example:
         >>> import rrrobot as rr
@@ -69,13 +68,9 @@ def motion_map(given: Robot, knobs: Knobs) -> MotionMap:
         np.column_stack((0 * p, p)),
         np.full(n, knobs.frequency),
     )
-    found = steady_states(
-        lower(knobs.model(given)), gaits, cycles=_CYCLES, counted=_COUNTED, steps_per_cycle=_STEPS
-    )
-    speed, yaw = (found[:, RESULT.index(name)].copy() for name in ("speed", "yaw_rate"))
-    # Of what stands still the variation is a ratio of nothings.
-    wild = (found[:, RESULT.index("variation")] > 0.05) & (speed > _STILL)
-    speed[wild], yaw[wild] = np.nan, np.nan
+    engine, setting = engine_of(knobs.model(given), "orbit")
+    found = engine(setting, gaits, steps_per_cycle=_STEPS)
+    speed, yaw = (found[:, RESULT.index(name)] for name in ("speed", "yaw_rate"))
     shape = offset.size, phase.size
     return MotionMap(offset, phase, speed.reshape(shape), yaw.reshape(shape))
 

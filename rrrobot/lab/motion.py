@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from rrrobot.checks import Array
 from rrrobot.simulation.trajectory import Trajectory
+from rrrobot.view.film import thin
 
 
 class Screw(NamedTuple):
@@ -53,12 +54,26 @@ class Motion:
         """Time after which playing starts anew, elsewhere if there is a screw [s]."""
         return float(self.trajectory.time[-1])
 
-    def path(self) -> Array:
-        """Contact point over the horizon (n, 2) [m]."""
+    def path(self, detail: float = 0.0) -> Array:
+        """Contact point over the horizon (n, 2) [m]; about one for each `detail` [m] if given."""
         points = self.trajectory.position
         if self.screw is None:
-            return points
-        return screwed(points[:-1], self.screw, self._periods())
+            return points[thin(points, detail)] if detail > 0 else points
+        kept = thin(points, detail) if detail > 0 else np.arange(len(points))
+        # The last point is the first of the next period.
+        if len(kept) > 1 and np.linalg.norm(points[kept[-1]] - points[-1]) <= detail:
+            kept = kept[:-1]
+        path = screwed(points[kept], self.screw, self._periods())
+        return path[thin(path, detail)] if len(kept) == 1 else path
+
+    def end(self) -> Array:
+        """Last point of the path (2,) [m]."""
+        points = self.trajectory.position
+        if self.screw is None:
+            return points[-1]
+        turns, moved = self.screw.power(self._periods() - 1)
+        c, s = math.cos(turns[0]), math.sin(turns[0])
+        return np.array(((c, -s), (s, c))) @ points[-2] + moved[0]
 
     def mean_path(self) -> Array:
         """Cycle means of the contact point over the horizon (n, 2) [m]."""

@@ -49,6 +49,8 @@ class Panel:
         self._turned = turned
         self._read: list[Callable[[], None]] = []
         """what brings each slider to where the knobs stand"""
+        self._sliders: dict[str, list[tuple[Any, Callable[[], float]]]] = {}
+        """by the entry of the knobs, with where they say that it stands"""
         self._lock = threading.RLock()
         """of the knobs: viser tells of moves on several threads"""
         self._others: list[Any] = []
@@ -147,6 +149,7 @@ class Panel:
 
         slider = self.gui.add_slider(label, float(low), float(high), float(step), value())
         self._read.append(lambda: _assign(slider, value()))
+        self._sliders.setdefault(name, []).append((slider, value))
 
         def moved(event: Any) -> None:
             if event.client is None:  # brought there by `show`
@@ -156,7 +159,10 @@ class Panel:
                 now = getattr(self.knobs, name)
                 if name in ("offset", "amplitude") and len(now) > 1 and self.tied.value:
                     self._set(event, **{name: (number,) * len(now)})
-                    self.show(self.knobs)
+                    # Those alone: others may have been moved meanwhile and not have told yet.
+                    for other, stands in self._sliders[name]:
+                        if other is not slider:
+                            _assign(other, stands())
                 else:
                     self._set(event, **{name: _with(now, at, number)})
 
@@ -241,7 +247,7 @@ def numbers(outcome: Outcome | None, refusal: str | None, *, waiting: bool = Fal
 
 
 def _data(outcome: Outcome) -> dict[str, float]:
-    end = outcome.path()[-1]
+    end = outcome.end()
     return {
         "speed": float(outcome.speed), "yaw-rate": float(outcome.yaw_rate),
         "friction": float(outcome.friction), "normal-force": float(outcome.normal_force),

@@ -17,6 +17,8 @@ from rrrobot.lab.stage import Stage, wxyz
 from rrrobot.view.scene import Pose, Scene
 
 FPS = 30.0
+_PATIENCE = 1.0
+"""For which the end waits for what is being drawn [s]."""
 _ARROW = (230, 120, 20)
 _CONE, _CENTRE = (80, 130, 200), (20, 20, 20)
 
@@ -54,8 +56,10 @@ class Player:
         self._thread.start()
 
     def close(self) -> None:
-        """End; again does nothing."""
+        """End, and draw no more; again does nothing."""
         self._end.set()
+        if self._thread.is_alive():
+            self._thread.join(_PATIENCE)
 
     def show(self, outcome: Outcome, scene: Scene) -> None:
         """Play another motion, at the same phase of the legs if it has one."""

@@ -107,12 +107,12 @@ class Session:
 
     def close(self) -> None:
         """End its threads."""
-        self.player.close()
-        self.atlas.close()
-        self._searches.close()
         with self._wake:
             self._closed = True
             self._wake.notify_all()
+        self.atlas.close()
+        self._searches.close()
+        self.player.close()
 
     def _build(self) -> None:
         gui, player = self.client.gui, self.player
@@ -193,7 +193,7 @@ class Session:
                 job, asked = self._wanted
                 self._running = job
             self._answer(job, asked)
-            if self._wanted[0] is job:
+            if self._wanted[0] is job and not self._closed:
                 self._judge()
                 for words in self._ghosts.show(
                     self.robot, None if self.refusal is not None else self.knobs
@@ -221,6 +221,8 @@ class Session:
             return
         finally:
             late.cancel()
+        if self._closed:  # the page was left meanwhile
+            return
         self.refusal = None
         first = self.outcome is None
         # The player must not draw a robot that is being replaced.

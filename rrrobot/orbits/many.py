@@ -204,9 +204,11 @@ def _largest(slope: Array) -> Array:
 def _below(slope: Array, limit: float) -> NDArray[np.bool_]:
     """Whether all multipliers are at most a limit (n,): by |M^16| where that will do."""
     power = slope
-    for _ in range(4):
-        power = power @ power
-    found = np.asarray((power**2).sum(axis=(1, 2)) <= limit**32)
+    # Of what grows fast the powers may overflow: it is not below.
+    with np.errstate(over="ignore", invalid="ignore"):
+        for _ in range(4):
+            power = power @ power
+        found = np.asarray((power**2).sum(axis=(1, 2)) <= limit**32)
     rest = np.flatnonzero(~found)
     found[rest] = _largest(slope[rest]) <= limit
     return found
