@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import contextlib
-import math
 from dataclasses import replace
 from typing import Any
 
@@ -11,20 +9,28 @@ import numpy as np
 
 from rrrobot.belly.feasible import MotionLimits, feasibility
 from rrrobot.belly.found import Belly
-from rrrobot.checks import Array
 from rrrobot.contact.ground import Plane
 from rrrobot.errors import ModelError
-from rrrobot.escape.loss import rocking_damping
+from rrrobot.escape.atlas import rocking_frequencies
+from rrrobot.escape.bench import Bench
+from rrrobot.escape.bodies import capsules_of
+from rrrobot.escape.loss import rocking_damping, rocking_modes
+from rrrobot.escape.small import cost, small_gaits, straight
 from rrrobot.lab.knobs import Knobs
 from rrrobot.lab.outcome import Outcome, Refusal, settle
-from rrrobot.robot.chains import leg_chains, symmetry_of
-from rrrobot.robot.robot import Robot
+from rrrobot.models.full import FullModel
+from rrrobot.robot.limits import JointLimits
 
-_SWINGS = 0.3, 0.2, 0.15, 0.1, 0.05
-"""Amplitudes that are tried at first [rad]."""
-_FREQUENCY = 10.0
+_NEAR = 0.9, 1.0, 1.1
+"""Frequencies over those of the rocking modes."""
+_LARGEST = 0.5
+"""Amplitude [rad]."""
 _SHARE = 0.9
 """Of what a joint's limits leave."""
+_SIZES = 1.0, 0.7, 0.5, 0.35, 0.25, 0.15
+"""Of a small gait, over what the linear forms allow."""
+_WAYS = 3
+"""That are tried."""
 _MOST = 200
 """Samples of a motion that is judged on the spot."""
 _LIMITS = MotionLimits(friction=None, normal_force=None)
@@ -43,63 +49,78 @@ def check_belly(belly: Belly) -> None:
         )
 
 
-def swaying(robot: Robot, posture: Array, swing: float) -> dict[str, Any]:
-    """Legs that sway about a posture: entries of the knobs.
-
-    In each limb a joint moves a quarter of a cycle before the next, hind limbs a quarter before
-    fore ones, and limbs that mirror each other from left to right half a cycle apart.
-
-    Args:
-        robot: any.
-        posture: legs (legs,) [rad].
-        swing: amplitude where the limits of the joints leave as much [rad].
-    """
-    phase, limb_of = np.zeros(robot.n_legs), {}
-    for limb, chain in enumerate(leg_chains(robot)):
-        for place, leg in enumerate(chain):
-            limb_of[leg] = limb
-            phase[leg] = 0.5 * math.pi * place
-    mirror = symmetry_of(robot, "left-right")
-    first: list[int] = []
-    for leg, limb in limb_of.items():
-        other = leg if mirror is None else int(np.flatnonzero(mirror.source == leg)[0])
-        if limb_of.get(other, limb) in first and limb not in first:
-            assert mirror is not None
-            phase[leg] = phase[other] + (math.pi if mirror.sign[leg] > 0 else 0.0)
-            continue
-        if limb not in first:
-            first.append(limb)
-        phase[leg] += 0.5 * math.pi * first.index(limb)
-    room = np.minimum(posture - robot.joints.lower, robot.joints.upper - posture)
-    amplitude = np.clip(_SHARE * room, 0.0, swing)
-    turned = (phase + math.pi) % (2 * math.pi) - math.pi
-    return {
-        "offset": tuple(posture.tolist()), "amplitude": tuple(amplitude.tolist()),
-        "phase": tuple(turned.tolist()), "frequency": _FREQUENCY,
-    }  # fmt: skip
-
-
 def begin(belly: Belly) -> tuple[Knobs, Outcome | None]:
     """Where the sliders stand at first, and the motion there.
 
-    The legs sway about the belly's posture by the largest of a few amplitudes at which they touch
-    neither the ground nor the body; the rocking has a damping ratio of a tenth.
+    The legs sway about the belly's posture by a small gait that goes straight, near a rocking mode,
+    as far as they touch neither the ground nor the body and nothing slips; where they do in all that
+    are tried, by the last of them. The rocking has a damping ratio of a tenth.
     """
     robot = belly.robot
-    knobs = Knobs.of(robot)
-    with contextlib.suppress(ModelError):
+    still = (0.0,) * robot.n_legs
+    knobs = replace(Knobs.of(robot), offset=tuple(belly.posture.tolist()), amplitude=still)
+    try:
         lossy = rocking_damping(belly.model(damping=None), belly.posture)
         knobs = replace(knobs, damping=max(lossy.x, lossy.y))
-    found: Outcome | None = None
-    for swing in _SWINGS:
-        knobs = replace(knobs, **swaying(robot, belly.posture, swing))
-        try:
-            found = settle(robot, knobs)
-        except Refusal:
-            continue
-        if not collisions(belly, found):
-            break
-    return knobs, found
+        ways = travelling(belly, knobs)
+    except ModelError:
+        ways = []
+    begun: tuple[Knobs, Outcome] | None = None
+    for way in ways:
+        for size in _SIZES:
+            swing = tuple(size * part for part in way["amplitude"])
+            tried = replace(knobs, **way | {"amplitude": swing})
+            try:
+                found = settle(robot, tried)
+            except Refusal:
+                continue
+            begun = tried, found
+            if found.friction <= tried.friction and not collisions(belly, found):
+                return begun
+    if begun is not None:
+        return begun
+    # Held still, it rests on its belly or the page says why not.
+    try:
+        return knobs, settle(robot, knobs)
+    except Refusal:
+        return knobs, None
+
+
+def travelling(belly: Belly, knobs: Knobs) -> list[dict[str, Any]]:
+    """Small gaits about the belly's posture that go straight: entries of the knobs, the best first.
+
+    They are what `rrrobot.escape.small` finds near the rocking modes, as large as the limits of the
+    joints and the belly's rolling range allow by its linear forms.
+
+    Raises:
+        ModelError: the robot does not rock about a stable rest, or nothing settles there.
+    """
+    robot, posture = belly.robot, belly.posture
+    model = knobs.model(robot)
+    assert isinstance(model, FullModel)
+    omegas = rocking_frequencies(model, posture)
+    decays = [mode.decay_rate for mode in rocking_modes(model, posture)]
+    if not decays or min(decays) <= 0:
+        raise ModelError(f"{robot.name} does not rock to rest in its posture.")
+    bench = Bench(model, *capsules_of(belly.shapes, belly.covered), min(decays))
+    ends = JointLimits().ends(robot)
+    sides = np.minimum(posture - ends.lower, ends.upper - posture)
+    found = []
+    for small in small_gaits(bench, posture, np.outer(omegas, _NEAR).ravel()):
+        room = _SHARE * np.minimum(sides, ends.velocity / small.omega)
+        metric = cost(small, np.minimum(room, _LARGEST), belly.rolling_range.least)
+        x, y, turn = small.travel
+        for form, aside in ((x, y), (-x, y), (y, x), (-y, x)):
+            value, swing = straight(form, (aside, turn), metric)
+            found.append((value, small.omega, swing))
+    found.sort(key=lambda one: -one[0])
+    return [
+        {
+            "amplitude": tuple(np.abs(swing).tolist()), "phase": tuple(np.angle(swing).tolist()),
+            "frequency": omega,
+        }
+        for _, omega, swing in found[:_WAYS]
+    ]  # fmt: skip
 
 
 def collisions(belly: Belly, outcome: Outcome) -> tuple[str, ...]:

@@ -70,7 +70,8 @@ class Panel:
                 hint="Offset and amplitude of all legs move together.",
             )
             self.tied.on_update(lambda event: self._tie())
-        self._slider("frequency [rad/s]", "frequency", None, 1.0, 0.5, 20.0, 0.05)
+        top = max(20.0, math.ceil(1.5 * self.knobs.frequency))
+        self._slider("frequency [rad/s]", "frequency", None, 1.0, 0.5, top, 0.05)
         for k, leg in enumerate(legs):
             with gui.add_folder(leg, expand_by_default=len(legs) <= _FEW):
                 pair = (

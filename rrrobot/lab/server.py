@@ -15,12 +15,11 @@ from rrrobot.errors import MissingExtraError, ModelError, OutputError, Parameter
 from rrrobot.lab.bellies import begin, check_belly
 from rrrobot.lab.knobs import Knobs
 from rrrobot.lab.outcome import Outcome, Refusal, settle
+from rrrobot.lab.panel import numbers
 from rrrobot.lab.session import Session
 from rrrobot.robot.robot import Robot
 
 LOOPBACK = "127.0.0.1"
-_PATIENCE = 20.0
-"""For which a page waits for a gait in which the legs of a fitted belly are clear [s]."""
 
 
 class Laboratory:
@@ -91,11 +90,16 @@ class Laboratory:
             self._first = settle(self.robot, self._knobs)
 
     def _opened(self, client: Any) -> None:
-        if self.belly is not None:
-            self._warm.join(_PATIENCE)
+        if self.belly is not None and self._warm.is_alive():
+            note = client.gui.add_html(numbers(None, None, waiting=True))
+            self._warm.join()
+            note.remove()
         session = Session(client, self.robot, self._knobs, self.url, self._first, self.belly)
         with self._lock:
             self.sessions[client.client_id] = session
+            server = self._server
+        if server is None or client.client_id not in server.get_clients():
+            self._left(client)  # while it waited
 
     def _left(self, client: Any) -> None:
         with self._lock:
