@@ -12,6 +12,7 @@ from rrrobot.lab.bellies import begin, check_belly, collisions, travelling
 from rrrobot.lab.knobs import Knobs
 from rrrobot.lab.outcome import settle
 from rrrobot.view.scene import Scene
+from tests.test_lab_excursions import runs_beside_its_trajectory
 
 pytest.importorskip("example_robot_data")
 FILE_TOLD = pytest.mark.filterwarnings("ignore::rrrobot.UrdfWarning")
@@ -42,6 +43,13 @@ def test_it_begins_at_rest_on_the_belly_with_its_legs_clear(belly, begun):
     assert knobs.offset == pytest.approx(belly.posture)
     assert outcome.settled and outcome.speed > 0.005
     assert judged(belly, begun).violations == ()
+
+
+@pytest.mark.filterwarnings("ignore::rrrobot.UnsettledWarning")  # of two seconds
+def test_it_is_taken_home_with_its_belly(belly, begun, tmp_path, monkeypatch):
+    knobs, _ = begun
+    runs_beside_its_trajectory(belly.robot, knobs, 1.8, tmp_path, monkeypatch)
+    assert Knobs.of(belly.robot).read(knobs.text()) == knobs
 
 
 def test_what_the_limbs_run_into_is_said(belly, begun):

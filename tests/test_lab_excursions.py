@@ -88,3 +88,23 @@ def test_the_code_and_the_files_are_the_motion(circular, tmp_path):
     loaded = rr.Trajectory.load(tmp_path / "trajectory.npz")
     assert loaded.position[:36] == pytest.approx(circular.path()[:36], abs=1e-9)
     assert b"meshcat" in made["film.html"].lower()
+
+
+@pytest.mark.filterwarnings("ignore::rrrobot.UnsettledWarning")  # of four seconds
+def test_the_code_of_a_robot_of_a_file_runs_beside_its_trajectory(tmp_path, monkeypatch):
+    robot = rr.Robot.from_urdf(rr.urdf_path("rrrobot"), shell=rr.Sphere(0.12))
+    knobs = replace(Knobs.of(robot), offset=(0.7, 0.8), gravity=5.0)
+    runs_beside_its_trajectory(robot, knobs, 4.0, tmp_path, monkeypatch)
+
+
+def runs_beside_its_trajectory(robot, knobs, duration, folder, monkeypatch):
+    """The copied script, where the page's trajectory was saved, makes the page's motion."""
+    found = settle(robot, knobs)
+    name, make = FILES["trajectory (.npz)"]
+    (folder / name).write_bytes(make(found))
+    monkeypatch.chdir(folder)
+    space: dict = {}
+    exec(code(robot, knobs).replace("duration=30.0", f"duration={duration}"), space)
+    assert space["model"].to_dict() == knobs.model(robot).to_dict()
+    cycle = rr.limit_cycle(space["model"], space["gait"])
+    assert cycle.speed == pytest.approx(found.speed, rel=1e-6)

@@ -11,6 +11,8 @@ import rrrobot as rr
 
 pytest.importorskip("viser")
 from benchmarks.lab import FREQUENCY, Page
+from rrrobot.lab.knobs import Knobs
+from rrrobot.lab.outcome import settle
 
 DAMPING = "damping [mN m s]"
 MOVED = {"offset [deg]": (30, 60), "amplitude [deg]": (5, 20), FREQUENCY: (6, 9), DAMPING: (8, 14)}
@@ -23,8 +25,9 @@ def listen(page):
 
 
 def test_no_value_is_lost_when_several_are_typed_at_once():
-    rng = np.random.default_rng(0)
-    with rr.laboratory(rr.Robot.from_parameters()) as lab:
+    rng, robot = np.random.default_rng(0), rr.Robot.from_parameters()
+    settle(robot, Knobs.of(robot))  # compiles the engine
+    with rr.laboratory(robot) as lab:
         page = Page(lab.url)
         page.wait_for_numbers()
         (session,) = lab.sessions.values()
@@ -32,9 +35,8 @@ def test_no_value_is_lost_when_several_are_typed_at_once():
         for _ in range(5):
             typed = {name: round(float(rng.uniform(*ends)), 2) for name, ends in MOVED.items()}
             for label, value in typed.items():
-                page.say({
-                    "type": "GuiUpdateMessage", "uuid": page.uuid[label], "updates": {"value": value}
-                })  # fmt: skip
+                told = {"uuid": page.uuid[label], "updates": {"value": value}}
+                page.say({"type": "GuiUpdateMessage", **told})
 
             def stand(typed=typed):
                 k = session.knobs

@@ -53,8 +53,8 @@ def begin(belly: Belly) -> tuple[Knobs, Outcome | None]:
     """Where the sliders stand at first, and the motion there.
 
     The legs sway about the belly's posture by a small gait that goes straight, near a rocking mode,
-    as far as they touch neither the ground nor the body and nothing slips; where they do in all that
-    are tried, by the last of them. The rocking has a damping ratio of a tenth.
+    as far as they touch neither the ground nor the body and nothing slips; if no gait that is tried
+    does that, by the last of them. The rocking has a damping ratio of a tenth.
     """
     robot = belly.robot
     still = (0.0,) * robot.n_legs
