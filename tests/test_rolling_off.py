@@ -14,6 +14,7 @@ from rrrobot.escape.report import report_html
 from rrrobot.escape.rolling_off import roll_off
 from rrrobot.escape.spaces import GROUPS
 from rrrobot.escape.story import _Work
+from rrrobot.escape.unstuck import Unstuck
 from rrrobot.escape.way_rows import off_rows
 from rrrobot.escape.ways import way_of
 from tests.test_belly import BALL, HEIGHT, LENGTH, MASS, WIDTH, joint, link
@@ -153,6 +154,11 @@ def test_a_robot_that_comes_down_on_its_belly_goes_on_to_that_side(tmp_path):
     wanted = np.arctan2(way.goal.weights[1], way.goal.weights[0])
     assert np.arctan2(*velocity[::-1]) == pytest.approx(wanted, abs=np.deg2rad(10))
     assert "to that side" in off_rows(way)["goes on from there"]
+    found = replace(Unstuck.begun(belly, EscapeLimits(), [way.goal], None), off={"off:90": way})
+    names = {path.name for path in found.save(tmp_path)}
+    page = (tmp_path / "report.html").read_text()
+    assert 'href="off_90_floor.html"' in page and "Settled cycle on the floor" in page
+    assert {"off_90.html", "off_90_floor.html", "off_90_floor.json"} <= names
     way.trajectory.save(tmp_path / "run.npz")
     gait.trajectory.save(tmp_path / f"{way.after_name}.npz")
     again = way_of(way.to_dict(), tmp_path, "run.npz")

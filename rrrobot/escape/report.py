@@ -178,6 +178,11 @@ def _summary(found: Unstuck, *, films: bool) -> str:
             for goal in found.goals
             if goal.name in found.found or (goal.name in found.off and found.off[goal.name].met)
         ]
+        links += [
+            f'<a href="{way.after_name}.html">film: {escape(name)}, on from the floor</a>'
+            for name, way in found.off.items()
+            if way.after is not None
+        ]
     return html_table("Ways", rows, head=head) + "<p>" + " · ".join(links) + "</p>"
 
 
