@@ -7,6 +7,7 @@ import importlib.util
 import io
 import socket
 import threading
+import warnings
 import webbrowser
 from typing import Any
 
@@ -170,6 +171,8 @@ def _free_port(port: int | None) -> int:
 def _serve(port: int, title: str) -> Any:
     import viser
 
+    # Of a page that is left while its robot is being drawn, which harms nobody.
+    warnings.filterwarnings("ignore", "Queued a .* on a closed connection", UserWarning)
     # Viser prints a banner.
     with contextlib.redirect_stdout(io.StringIO()):
         server = viser.ViserServer(host=LOOPBACK, port=port, label=title, verbose=False)
