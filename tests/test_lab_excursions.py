@@ -52,7 +52,9 @@ def test_rocking_has_the_period_of_the_linearised_motion():
 def test_stiff_motors_follow_the_gait(circular):
     found = driven(ROBOT, KNOBS, 3.0, 0.1)
     wanted = KNOBS.gait()(found.trajectory.time).angle
-    assert np.abs(found.trajectory.leg_angle - wanted).max() < 0.02
+    # Where a leg is farthest behind, its rate is the gait's: the stiffness alone gives the torque.
+    assert np.abs(found.trajectory.leg_angle - wanted).max() <= found.torque / 3.0
+    assert found.torque == pytest.approx(circular.torque, rel=0.1)
     assert found.speed == pytest.approx(circular.speed, rel=0.1)
     with pytest.raises(Refusal, match="interrupted"):
         driven(ROBOT, KNOBS, 3.0, 0.1, lambda: True)
