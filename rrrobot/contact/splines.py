@@ -71,6 +71,14 @@ class Surface2(NamedTuple):
         cross = x[1] @ block @ y[1]
         return np.array(((x[2] @ block @ y[0], cross), (cross, x[0] @ block @ y[2])))
 
+    def rows(self) -> Array:
+        """The spline across each cell in y, as powers of u from 0 to 1 (knots in x, cells in y, 6).
+
+        f = sum_j w_j(t) sum_q rows[i + j, k, q] u^q in the cell (i, k).
+        """
+        blocks = np.lib.stride_tricks.sliding_window_view(self.table, _N, axis=1)
+        return np.ascontiguousarray(blocks @ WEIGHTS)
+
     def _near(self, at: Array) -> tuple[Array, Array, Array]:
         """Coefficients around a place, and the weights' derivatives 0, 1, 2 in x and y (3, 6)."""
         where = (at - self.corner) / self.spacing

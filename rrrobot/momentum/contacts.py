@@ -10,7 +10,7 @@ from numba import njit
 
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import lanes
-from rrrobot.momentum.lane import N_SCRATCH, ROOM, H, N, R, S
+from rrrobot.momentum.lane import N_GRAPH, N_SCRATCH, ROOM, H, N, R, S
 from rrrobot.momentum.series import shell_series
 from rrrobot.momentum.terrain import BOULDER, ELLIPSOIDS, FLAT, GRAPH, ROUND, SLOPE
 from rrrobot.momentum.uneven import graph_normal
@@ -41,7 +41,7 @@ def touch_lanes(y, terrain, b):  # type: ignore[no-untyped-def]
         else:
             _ellipsoids(terrain.center, terrain.terms, b)
     else:
-        shell_series(terrain, b, N_SCRATCH)
+        shell_series(terrain, b, N_SCRATCH + N_GRAPH)
 
 
 @lanes

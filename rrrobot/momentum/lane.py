@@ -15,15 +15,18 @@ R, N, S, H, W, P, X, U, UP = 0, 9, 12, 15, 21, 24, 27, 30, 36
 ends, and the least det(1 + H G), each negative once it has been."""
 ROOM, DET = UP, UP + 1
 N_SCRATCH = UP + 2
+N_GRAPH = 37
+"""Further rows that stay: the cell of a graph that a lane was last in, and of its table there."""
 
 
 def scratch(terrain: Terrain | None) -> Array:
     """Room for the evaluations of LANES lanes: entry r of lane i at r LANES + i."""
     if terrain is None:
         return np.zeros(0)
-    top = int(terrain.degrees.max()) + 1
-    series, graph = 20 + 3 * top, 37
-    return np.zeros((N_SCRATCH + max(series, graph)) * LANES)
+    series = 20 + 3 * (int(terrain.degrees.max()) + 1)
+    rows = np.zeros((N_SCRATCH + N_GRAPH + series, LANES))
+    rows[N_SCRATCH] = -1.0  # no cell yet
+    return rows.reshape(-1)
 
 
 @njit(inline="always")
@@ -143,8 +146,20 @@ def brake(y, par, k, stage, i, zx, zy, zz, w0, w1, w2, f0, f1, f2):  # type: ign
 
 
 @njit(inline="always")
+def normal_of(basis, r):  # type: ignore[no-untyped-def]
+    """n_b of a plane, whose basis is None if it is level: Numba leaves out the other branch."""
+    if basis is None:
+        return r[6], r[7], r[8]
+    return in_body(r, basis[2, 0], basis[2, 1], basis[2, 2])
+
+
+@njit(inline="always")
 def along_plane(basis, k, stage, i, r, x0, x1, x2):  # type: ignore[no-untyped-def]
-    """Rates of a plane's coordinates, of P_dot = R x_dot."""
-    d0, d1, d2 = in_world(r, x0, x1, x2)
-    k[stage, 7 * LANES + i] = basis[0, 0] * d0 + basis[0, 1] * d1 + basis[0, 2] * d2
-    k[stage, 8 * LANES + i] = basis[1, 0] * d0 + basis[1, 1] * d1 + basis[1, 2] * d2
+    """Rates of a plane's coordinates, of P_dot = R x_dot; the basis as in `normal_of`."""
+    if basis is None:
+        k[stage, 7 * LANES + i] = r[0] * x0 + r[1] * x1 + r[2] * x2
+        k[stage, 8 * LANES + i] = r[3] * x0 + r[4] * x1 + r[5] * x2
+    else:
+        d0, d1, d2 = in_world(r, x0, x1, x2)
+        k[stage, 7 * LANES + i] = basis[0, 0] * d0 + basis[0, 1] * d1 + basis[0, 2] * d2
+        k[stage, 8 * LANES + i] = basis[1, 0] * d0 + basis[1, 1] * d1 + basis[1, 2] * d2

@@ -65,7 +65,7 @@ class Terrain(NamedTuple):
     spacing: Array
     """(2,)"""
     table: Array
-    """coefficients of a quintic spline"""
+    """of a quintic spline: powers of u across each cell in y (knots in x, cells in y, 6)"""
     reach: Array
     """half of a flat belly's length and width (2,)"""
 
@@ -80,7 +80,7 @@ def terrain_of(shell: Surface, placement: tuple[Array, Array], ground: Ground) -
     plain = Terrain(
         ROUND, LEVEL, center, 0.0, rotation, np.zeros((0, 6)),
         np.zeros((0, 3), dtype=np.int64), np.zeros(0), 0, np.zeros(2), np.eye(3), 0.0,
-        1.0 - LOWEST_NORMAL**2, np.zeros(2), np.ones(2), np.zeros((6, 6)), np.full(2, np.inf),
+        1.0 - LOWEST_NORMAL**2, np.zeros(2), np.ones(2), np.zeros((6, 1, 6)), np.full(2, np.inf),
     )  # fmt: skip
     return _with_shell(_with_ground(plain, ground), shell)
 
@@ -105,7 +105,7 @@ def _with_ground(terrain: Terrain, ground: Ground) -> Terrain:
     if type(ground) is Graph:
         table = ground.table()
         return terrain._replace(
-            ground=GRAPH, corner=table.corner, spacing=table.spacing, table=table.table
+            ground=GRAPH, corner=table.corner, spacing=table.spacing, table=table.rows()
         )
     raise ModelError(
         f"the momentum engine does not know the ground {type(ground).__qualname__}: it computes "

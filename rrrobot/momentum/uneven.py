@@ -14,24 +14,31 @@ from numba import njit
 
 from rrrobot.contact.splines import DEGREE, WEIGHTS
 from rrrobot.momentum.coefficients import LANES
-from rrrobot.momentum.compiled import lanes
+from rrrobot.momentum.compiled import inner, lanes
 from rrrobot.momentum.lane import DET, N_SCRATCH, ROOM, H, N, R, U, W, X
 
 _N_KNOTS = DEGREE + 1
 _WEIGHTS = WEIGHTS
-_TX, _TY, _CELL = N_SCRATCH, N_SCRATCH + 18, N_SCRATCH + 36
-"""Rows of the weights in x and in y, and of where the lane's cell begins in the table."""
+_CELL, _ROWS = N_SCRATCH, N_SCRATCH + 1
+"""Rows of the cell that a lane was last in, and of what the table has there: of knot j of the x
+direction c_jq u^q at 6 j + q, with u from 0 to 1 across the cell in y."""
 
 
 @njit(inline="always")
-def _weight(j, t, order):  # type: ignore[no-untyped-def]
-    """Derivative 0, 1 or 2 of the weight of knot j at t."""
-    c = _WEIGHTS[j]
-    if order == 0:
-        return c[0] + t * (c[1] + t * (c[2] + t * (c[3] + t * (c[4] + t * c[5]))))
-    if order == 1:
-        return c[1] + t * (2.0 * c[2] + t * (3.0 * c[3] + t * (4.0 * c[4] + t * 5.0 * c[5])))
-    return 2.0 * c[2] + t * (6.0 * c[3] + t * (12.0 * c[4] + t * 20.0 * c[5]))
+def _knot(b, j, t, u, i):  # type: ignore[no-untyped-def]
+    """What knot j adds to f_x, f_y, f_xx, f_xy, f_yy, in units of the spacing."""
+    at = (_ROWS + _N_KNOTS * j) * LANES + i
+    c0, c1, c2 = b[at], b[at + LANES], b[at + 2 * LANES]
+    c3, c4, c5 = b[at + 3 * LANES], b[at + 4 * LANES], b[at + 5 * LANES]
+    g0 = c0 + u * (c1 + u * (c2 + u * (c3 + u * (c4 + u * c5))))
+    g1 = c1 + u * (2.0 * c2 + u * (3.0 * c3 + u * (4.0 * c4 + u * (5.0 * c5))))
+    g2 = 2.0 * c2 + u * (6.0 * c3 + u * (12.0 * c4 + u * (20.0 * c5)))
+    c0, c1, c2 = _WEIGHTS[j, 0], _WEIGHTS[j, 1], _WEIGHTS[j, 2]
+    c3, c4, c5 = _WEIGHTS[j, 3], _WEIGHTS[j, 4], _WEIGHTS[j, 5]
+    w0 = c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * c5))))
+    w1 = c1 + t * (2.0 * c2 + t * (3.0 * c3 + t * (4.0 * c4 + t * (5.0 * c5))))
+    w2 = 2.0 * c2 + t * (6.0 * c3 + t * (12.0 * c4 + t * (20.0 * c5)))
+    return w1 * g0, w0 * g1, w2 * g0, w1 * g1, w0 * g2
 
 
 @lanes
@@ -39,8 +46,7 @@ def graph_normal(y, corner, spacing, table, b):  # type: ignore[no-untyped-def]
     """n_b of every lane, and f_x, f_y and F/W."""
     hx, hy = 1.0 / spacing[0], 1.0 / spacing[1]
     width = table.shape[1]
-    last_x, last_y = float(table.shape[0] - _N_KNOTS), float(width - _N_KNOTS)
-    flat = table.reshape(-1)
+    last_x, last_y = float(table.shape[0] - _N_KNOTS), float(width - 1)
     for i in range(LANES):
         at_x = (y[7 * LANES + i] - corner[0]) * hx
         at_y = (y[8 * LANES + i] - corner[1]) * hy
@@ -48,24 +54,25 @@ def graph_normal(y, corner, spacing, table, b):  # type: ignore[no-untyped-def]
         b[ROOM * LANES + i] = min(b[ROOM * LANES + i], room)
         cell_x = min(max(np.floor(at_x), 0.0), last_x)
         cell_y = min(max(np.floor(at_y), 0.0), last_y)
+        b[U * LANES + i], b[(U + 1) * LANES + i] = at_x - cell_x, at_y - cell_y
         # A number that is not finite stays so through t, and looks up the first cell.
-        known = room > -1e9
-        b[_CELL * LANES + i] = cell_x * width + cell_y if known else 0.0
-        t, u = at_x - cell_x, at_y - cell_y
-        _weights(t, b, _TX, i)
-        _weights(u, b, _TY, i)
-    for a in range(5):
-        for i in range(LANES):
-            b[(U + a) * LANES + i] = 0.0
-    for j in range(_N_KNOTS):
-        _add_row(flat, j, width, b)
+        b[(U + 2) * LANES + i] = cell_x * width + cell_y if room > -1e9 else 0.0
+    _look_up(table.reshape(-1), _N_KNOTS * width, b)
     for i in range(LANES):
-        fx, fy = hx * b[U * LANES + i], hy * b[(U + 1) * LANES + i]
+        t, u = b[U * LANES + i], b[(U + 1) * LANES + i]
+        x0, y0, xx0, xy0, yy0 = _knot(b, 0, t, u, i)
+        x1, y1, xx1, xy1, yy1 = _knot(b, 1, t, u, i)
+        x2, y2, xx2, xy2, yy2 = _knot(b, 2, t, u, i)
+        x3, y3, xx3, xy3, yy3 = _knot(b, 3, t, u, i)
+        x4, y4, xx4, xy4, yy4 = _knot(b, 4, t, u, i)
+        x5, y5, xx5, xy5, yy5 = _knot(b, 5, t, u, i)
+        fx = hx * ((x0 + x1) + (x2 + x3) + (x4 + x5))
+        fy = hy * ((y0 + y1) + (y2 + y3) + (y4 + y5))
         over = 1.0 / np.sqrt(1.0 + fx * fx + fy * fy)
         b[U * LANES + i], b[(U + 1) * LANES + i] = fx, fy
-        b[(U + 2) * LANES + i] *= over * hx * hx
-        b[(U + 3) * LANES + i] *= over * hx * hy
-        b[(U + 4) * LANES + i] *= over * hy * hy
+        b[(U + 2) * LANES + i] = over * hx * hx * ((xx0 + xx1) + (xx2 + xx3) + (xx4 + xx5))
+        b[(U + 3) * LANES + i] = over * hx * hy * ((xy0 + xy1) + (xy2 + xy3) + (xy4 + xy5))
+        b[(U + 4) * LANES + i] = over * hy * hy * ((yy0 + yy1) + (yy2 + yy3) + (yy4 + yy5))
         n0, n1 = -over * fx, -over * fy
         r6, r7, r8 = b[(R + 6) * LANES + i], b[(R + 7) * LANES + i], b[(R + 8) * LANES + i]
         b[N * LANES + i] = n0 * b[R * LANES + i] + n1 * b[(R + 3) * LANES + i] + over * r6
@@ -77,38 +84,19 @@ def graph_normal(y, corner, spacing, table, b):  # type: ignore[no-untyped-def]
         )
 
 
-@njit(inline="always")
-def _weights(t, b, first, i):  # type: ignore[no-untyped-def]
-    """Weights of the six knots and their first and second derivatives."""
-    for j in range(_N_KNOTS):
-        c0, c1, c2 = _WEIGHTS[j, 0], _WEIGHTS[j, 1], _WEIGHTS[j, 2]
-        c3, c4, c5 = _WEIGHTS[j, 3], _WEIGHTS[j, 4], _WEIGHTS[j, 5]
-        b[(first + j) * LANES + i] = c0 + t * (c1 + t * (c2 + t * (c3 + t * (c4 + t * c5))))
-        b[(first + 6 + j) * LANES + i] = c1 + t * (
-            2.0 * c2 + t * (3.0 * c3 + t * (4.0 * c4 + t * 5.0 * c5))
-        )
-        b[(first + 12 + j) * LANES + i] = 2.0 * c2 + t * (
-            6.0 * c3 + t * (12.0 * c4 + t * 20.0 * c5)
-        )
-
-
-@lanes
-def _add_row(flat, j, width, b):  # type: ignore[no-untyped-def]
-    """Add one row of knots to f_x, f_y, f_xx, f_xy, f_yy, in units of the spacing."""
-    x0, x1, x2 = (_TX + j) * LANES, (_TX + 6 + j) * LANES, (_TX + 12 + j) * LANES
+@inner
+def _look_up(flat, stride, b):  # type: ignore[no-untyped-def]
+    """Take from the table what it has of the cell of every lane that is in another than before."""
     for i in range(LANES):
-        at = int(b[_CELL * LANES + i]) + j * width
-        g0, g1, g2 = 0.0, 0.0, 0.0
-        for m in range(_N_KNOTS):
-            c = flat[at + m]
-            g0 += c * b[(_TY + m) * LANES + i]
-            g1 += c * b[(_TY + 6 + m) * LANES + i]
-            g2 += c * b[(_TY + 12 + m) * LANES + i]
-        b[U * LANES + i] += b[x1 + i] * g0
-        b[(U + 1) * LANES + i] += b[x0 + i] * g1
-        b[(U + 2) * LANES + i] += b[x2 + i] * g0
-        b[(U + 3) * LANES + i] += b[x1 + i] * g1
-        b[(U + 4) * LANES + i] += b[x0 + i] * g2
+        cell = b[(U + 2) * LANES + i]
+        if cell != b[_CELL * LANES + i]:
+            b[_CELL * LANES + i] = cell
+            at, to = _N_KNOTS * int(cell), _ROWS * LANES + i
+            for _ in range(_N_KNOTS):
+                for q in range(_N_KNOTS):
+                    b[to + q * LANES] = flat[at + q]
+                at += stride
+                to += _N_KNOTS * LANES
 
 
 @lanes
