@@ -27,7 +27,7 @@ HERE = Path(__file__).parent
 RESULTS = HERE / "results" / "robots.json"
 PAGE = HERE.parent / "docs" / "robots.md"
 GOALS = ("forward", "turn left")
-BUDGET, POSTURES = 4000, 3
+BUDGET, POSTURES = 12000, 6
 BEGIN, END = "<!-- robots -->", "<!-- end -->"
 
 

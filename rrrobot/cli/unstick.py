@@ -66,10 +66,10 @@ _FORMS = ("auto", "sphere", "ellipsoid", "box", "flat")
     help="Of the rocking: what rolling costs. An assumption, named in the report.",
 )  # fmt: skip
 @click.option("--harmonics", type=int, default=1, show_default=True, help="Of the gaits.")
-@click.option("--postures", type=int, default=3, show_default=True, help="To search about.")
+@click.option("--postures", type=int, default=6, show_default=True, help="To search about.")
 @click.option("--solutions", type=int, default=1, show_default=True, help="Unlike gaits a goal.")
 @click.option(
-    "--budget", type=int, default=8000, show_default=True, help="Gaits to simulate a goal."
+    "--budget", type=int, default=12000, show_default=True, help="Gaits to simulate a goal."
 )
 @click.option("--json", "as_json", is_flag=True, help="As JSON, SI units.")
 @click.option("--quiet", is_flag=True, help="No progress bar.")
