@@ -172,7 +172,7 @@ def test_steady_states_are_those_of_a_simulation(name):
         offset=0.8, amplitude=0.3, angular_frequency=8.0, phase=phase_of(many, 1)
     )
     period = 2 * np.pi / 8
-    t = rr.simulate(full, gait, 38 * period, period / 80, method="momentum", step=period / 80)
+    t = rr.simulate(full, gait, 38 * period, period / 640, method="momentum", step=period / 80)
     steady = t.steady_state(after=18 * period)
     row = dict(zip((*RESULT, *LOADS), found[1], strict=True))
     assert row["status"] == OK
