@@ -366,6 +366,24 @@ def test_gaits_whose_links_touch_are_taken_up_from_where_they_are(bench):
     assert found[0].outcome.apart[0] == strict(found[0].gait).apart[0]
 
 
+def test_gaits_that_settle_no_more_where_links_are_apart_end_the_search(bench):
+    class Unsettled(type(bench)):
+        def __call__(self, *args, **options):
+            out = super().__call__(*args, **options)
+            return out._replace(variation=np.full_like(out.variation, np.inf))
+
+    ends = EscapeLimits().ends(bench.model.robot)
+    rules = Rules(goal_of("forward"), EscapeLimits(), ends, 0.25, 0.3)
+    atlas = Atlas(bench.model, UP[None], [bench], ends, 0.25, ("all",), (1.0,))
+    wild = copy(bench)
+    wild.__class__ = Unsettled
+    found = find_gaits(
+        bench, atlas, rules, budget=400, harmonics=1,
+        nearer=lambda at, one: wild if at is bench else None,
+    )  # fmt: skip
+    assert len(found) == 1 and np.isfinite(found[0].value)
+
+
 def test_what_is_returned_the_kkt_system_confirms(monkeypatch):
     """The momentum form tells what is worth its time, with the same numbers; what the KKT system
     then rejects is not returned."""

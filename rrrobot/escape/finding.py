@@ -2,7 +2,8 @@
 
 1. the best small gaits of every posture, frequency and symmetry, from the atlas: no simulation
 2. each at a dozen sizes: the largest that the limits allow
-3. climbs from these: first as their group moves, then in all joints, then with higher harmonics
+3. climbs from these: first as their group moves, then in all joints, then with higher harmonics;
+   where all have ended before the budget has, the next best small gaits are taken
 
 What is simulated next depends on what was found, and never on the budget, which only says when to
 stop: a larger budget sees all that a smaller one saw, so that its best is never worse.
@@ -75,14 +76,29 @@ def find_gaits(
             f"no gait settles on the way {rules.goal.name}: the rocking grows without bound. More "
             "damping, a flatter belly or smaller swings would hold it."
         )
-    climbs = [
-        _Climb(rules, seeds[i], found[i], atlas.room(seeds[i].small), harmonics, nearer)
-        for i in order
-    ]
-    seen = [one.best for one in climbs if one.clear]
-    turn = 0
-    while climbs and bench.simulated - begun < budget:
+    nearest, seen, taken, turn = found[order[0]], list[Judged](), len(seeds), 0
+
+    def begin() -> list[_Climb]:
+        climbs = [
+            _Climb(rules, seeds[i], found[i], atlas.room(seeds[i].small), harmonics, nearer)
+            for i in ordered(found)
+        ]
+        seen.extend(one.best for one in climbs if one.clear)
+        return climbs
+
+    climbs = begin()
+    while bench.simulated - begun < budget:
         tell(bench.simulated - begun)
+        # What does not settle once more is known of the links' own shapes is no beginning.
+        climbs = [one for one in climbs if np.isfinite(one.best.value)]
+        if not climbs:
+            seeds = atlas.seeds(rules, taken + _SEEDS)[taken:]
+            if not seeds:
+                break
+            taken += len(seeds)
+            found = atlas.grown(rules, seeds)
+            climbs = begin()
+            continue
         # By turns the best one, and the one that had the least chance; of equals, the better seed.
         if turn % 2 == 0:
             one = climbs[ordered([one.best for one in climbs])[0]]
@@ -94,7 +110,8 @@ def find_gaits(
             seen.append(one.best)
         turn += 1
     tell(budget)
-    seen = seen or [one.best for one in climbs] or [found[order[0]]]
+    climbs = [one for one in climbs if np.isfinite(one.best.value)]
+    seen = seen or [one.best for one in climbs] or [nearest]
     return [seen[i] for i in ordered(seen)]
 
 
