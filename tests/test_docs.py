@@ -15,6 +15,8 @@ import pytest
 import rrrobot
 import rrrobot.machines.catalog
 from rrrobot import files
+from rrrobot.escape import atlas, confirming, loss, rolling_off
+from rrrobot.orbits import many
 from rrrobot.robot import faults, joints, markup, meshes
 from rrrobot.simulation.plots import cycle_mean
 from tests.some import some
@@ -216,6 +218,12 @@ def spread_of_where_cycles_begin():
     return np.ptp(speed) / speed.mean()
 
 
+def said(page, sentence):
+    """The groups of the one place of a page that matches, its lines joined."""
+    (found,) = re.finditer(sentence, " ".join((ROOT / "docs" / page).read_text().split()))
+    return found.groups()
+
+
 LEVER = 0.057 * 0.1 * 0.12
 """M_l l b [kg m^2]."""
 
@@ -247,13 +255,21 @@ LEVER = 0.057 * 0.1 * 0.12
          lambda: 1e3 * inspect.signature(rrrobot.plan).parameters["tolerance"].default[0]),
         ("theory/steering.md", r"mm and ([\d.]+)°",
          lambda: np.rad2deg(inspect.signature(rrrobot.plan).parameters["tolerance"].default[1])),
+        ("errata.md", r"begins: ([\de.-]+) of the circular", spread_of_where_cycles_begin),
+        ("tutorials/ten_lines.md", r"from ([\d.]+) to [\d.]+ of each mode", lambda: atlas.NEAR[0]),
+        ("tutorials/ten_lines.md", r"from [\d.]+ to ([\d.]+) of each mode", lambda: atlas.NEAR[-1]),
+        ("tutorials/ten_lines.md", r"differ by more than (\d) %", lambda: 100 * confirming.AGREE),
+        ("tutorials/ten_lines.md", r"rounded by (\d) cm", lambda: 100 * rolling_off.EDGE),
+        ("tutorials/ten_lines.md", r"damping ratio of ([\d.]+)", lambda: loss.RATIO),
+        ("theory/limit_cycles.md", r"comes to in (\d+) periods", lambda: many.SETTLING),
+        ("theory/limit_cycles.md", r"no multiplier beyond ([\d.]+)", lambda: many._SURE),
     ],
 )  # fmt: skip
 def test_numbers_in_sentences_are_what_comes_out(page, sentence, value):
     """To the digits that are printed."""
-    (said,) = re.findall(sentence, (ROOT / "docs" / page).read_text())
-    digits = len(re.sub(r"e.*|^0\.0*|\.", "", said))
-    assert float(f"{value():.{digits - 1}e}") == pytest.approx(float(said), rel=1e-9), value()
+    (number,) = said(page, sentence)
+    digits = len(re.sub(r"e.*|^0\.0*|\.", "", number))
+    assert float(f"{value():.{digits - 1}e}") == pytest.approx(float(number), rel=1e-9), value()
 
 
 def test_no_page_promises_a_time_by_hand():

@@ -26,6 +26,7 @@ import pinocchio as pin
 
 from rrrobot.belly.shapes import Shapes
 from rrrobot.checks import Array
+from rrrobot.contact.convexity import sphere_directions
 from rrrobot.robot.joints import JointIndex
 
 _BALL = 300
@@ -145,7 +146,7 @@ def held(shapes: Shapes, leg_angle: Array) -> Body:
         place = data.oMi[piece.joint]
         points = piece.points @ place.rotation.T + place.translation
         if piece.radius:
-            points = (points[:, None] + piece.radius * _sphere()).reshape(-1, 3)
+            points = (points[:, None] + piece.radius * sphere_directions(_BALL)).reshape(-1, 3)
         every.append(points)
         names += [piece.link] * len(points)
     points = np.vstack(every)
@@ -154,14 +155,6 @@ def held(shapes: Shapes, leg_angle: Array) -> Body:
         points[corners], tuple(names[i] for i in corners), data.com[0].copy(),
         data.Ig.inertia.copy(),
     )  # fmt: skip
-
-
-def _sphere() -> Array:
-    """Directions spread evenly (n, 3)."""
-    z = 1.0 - (2.0 * np.arange(_BALL) + 1.0) / _BALL
-    around = np.pi * (3.0 - np.sqrt(5.0)) * np.arange(_BALL)
-    across = np.sqrt(1.0 - z**2)
-    return np.column_stack((across * np.cos(around), across * np.sin(around), z))
 
 
 def fallen(

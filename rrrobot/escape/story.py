@@ -129,13 +129,13 @@ def unstick(
                         belly, limits, joints, tuple(groups), damping, damping_ratio, postures
                     )
                     found = found.known(work.model)
-                wanted_of = (budget, harmonics, solutions, partial(_add, tell, i * budget))
+                search = (budget, harmonics, solutions, partial(_add, tell, i * budget))
                 if goal.leans:
                     way = work.off(goal, floor)
-                    found = found.rolled(goal, work.onward(way, *wanted_of) if way.met else way)
+                    found = found.rolled(goal, work.onward(way, *search) if way.met else way)
                     if way.met:
                         continue
-                gaits = work.gaits(goal, *wanted_of)
+                gaits = work.gaits(goal, *search)
             except (GaitError, ModelError) as error:
                 found = found.failed(goal, str(error))
             else:
@@ -232,12 +232,12 @@ class _Work:
             raise ModelError(f"on the floor, {belly.reason}")
         return self.again(belly)
 
-    def onward(self, way: RollOff, *wanted: Any) -> RollOff:
+    def onward(self, way: RollOff, *search: Any) -> RollOff:
         """How it comes to lie on the floor, and the gait that goes on from there.
 
         Args:
             way: off the rock.
-            wanted: as for `gaits`, but for the goal.
+            search: as for `gaits`, but for the goal.
         """
         if way.link:
             said = f"it stands between the rock and {way.link}, and what follows is not computed"
@@ -265,7 +265,7 @@ class _Work:
         axis = 90.0 * round(side / 90.0)
         side = axis if abs(side - axis) < _NEAR else side
         try:
-            gait = self.below.gaits(goal_of(f"direction:{side:.0f}"), *wanted)[0]
+            gait = self.below.gaits(goal_of(f"direction:{side:.0f}"), *search)[0]
         except (GaitError, ModelError) as error:
             return replace(way, stays=str(error))
         return replace(way, after=gait) if gait.met else replace(way, stays=why_not(gait))

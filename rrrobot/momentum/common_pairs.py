@@ -1,13 +1,12 @@
 """The commonest pairs of shell and ground in one loop over lanes each, which makes them fast.
 
-A sphere, an ellipsoid and a sum of three on a plane, a sphere on a boulder; and, after its contact,
-any other shell on a plane. See `rolling.py` for the equations.
+A sphere and an ellipsoid on a plane, a sum of three on level ground, a sphere on a boulder; and,
+after its contact, any other shell on a plane. See `rolling.py` for the equations.
 """
 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import lanes
@@ -22,6 +21,7 @@ from rrrobot.momentum.lane import (
     W,
     X,
     along_plane,
+    bend_of,
     finish,
     in_body,
     in_world,
@@ -112,37 +112,19 @@ def ellipsoid_on_plane(y, c, row, par, k, stage, center, terms, basis):  # type:
         along_plane(basis, k, stage, i, r, x0, x1, x2)
 
 
-@njit(inline="always")
-def _share(term, n0, n1, n2):  # type: ignore[no-untyped-def]
-    """e = A n/h and H = (A - e e^T)/h of one ellipsoid; zero where a disc's or a rod's h ends."""
-    xx, yy, zz, xy, xz, yz = term
-    e0, e1, e2 = (
-        xx * n0 + xy * n1 + xz * n2,
-        xy * n0 + yy * n1 + yz * n2,
-        xz * n0 + yz * n1 + zz * n2,
-    )
-    square = n0 * e0 + n1 * e1 + n2 * e2
-    over = 1.0 / np.sqrt(square) if square > 0.0 else 0.0
-    e0, e1, e2 = over * e0, over * e1, over * e2
-    return (
-        e0, e1, e2, over * (xx - e0 * e0), over * (yy - e1 * e1), over * (zz - e2 * e2),
-        over * (xy - e0 * e1), over * (xz - e0 * e2), over * (yz - e1 * e2),
-    )  # fmt: skip
-
-
 @lanes
-def three_on_plane(y, c, row, par, k, stage, center, terms, basis):  # type: ignore[no-untyped-def]
-    """Likewise of a sum of three ellipsoids: s = sum e - c, x_dot = (sum H) y."""
+def three_on_level(y, c, row, par, k, stage, center, terms):  # type: ignore[no-untyped-def]
+    """Likewise of a sum of three ellipsoids, on level ground: s = sum e - c, x_dot = (sum H) y."""
     c0, c1, c2 = center[0], center[1], center[2]
     t0 = terms[0, 0], terms[0, 1], terms[0, 2], terms[0, 3], terms[0, 4], terms[0, 5]
     t1 = terms[1, 0], terms[1, 1], terms[1, 2], terms[1, 3], terms[1, 4], terms[1, 5]
     t2 = terms[2, 0], terms[2, 1], terms[2, 2], terms[2, 3], terms[2, 4], terms[2, 5]
     for i in range(LANES):
         r = turn(y, i)
-        n0, n1, n2 = normal_of(basis, r)
-        e0, e1, e2, axx, ayy, azz, axy, axz, ayz = _share(t0, n0, n1, n2)
-        f0, f1, f2, bxx, byy, bzz, bxy, bxz, byz = _share(t1, n0, n1, n2)
-        g0, g1, g2, dxx, dyy, dzz, dxy, dxz, dyz = _share(t2, n0, n1, n2)
+        n0, n1, n2 = r[6], r[7], r[8]
+        e0, e1, e2, axx, ayy, azz, axy, axz, ayz = bend_of(t0, n0, n1, n2)
+        f0, f1, f2, bxx, byy, bzz, bxy, bxz, byz = bend_of(t1, n0, n1, n2)
+        g0, g1, g2, dxx, dyy, dzz, dxy, dxz, dyz = bend_of(t2, n0, n1, n2)
         s0, s1, s2 = e0 + f0 + g0 - c0, e1 + f1 + g1 - c1, e2 + f2 + g2 - c2
         w0, w1, w2, p0, p1, p2 = velocity(y, c, row, par, i, s0, s1, s2)
         y0, y1, y2 = w1 * n2 - w2 * n1, w2 * n0 - w0 * n2, w0 * n1 - w1 * n0
@@ -154,7 +136,7 @@ def three_on_plane(y, c, row, par, k, stage, center, terms, basis):  # type: ign
             y, c, row, par, k, stage, i, r[6], r[7], r[8], s0, s1, s2, w0, w1, w2, p0, p1, p2,
             x0, x1, x2,
         )  # fmt: skip
-        along_plane(basis, k, stage, i, r, x0, x1, x2)
+        along_plane(None, k, stage, i, r, x0, x1, x2)
 
 
 @lanes

@@ -10,7 +10,7 @@ from numba import njit
 
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import lanes
-from rrrobot.momentum.lane import N_GRAPH, N_SCRATCH, ROOM, H, N, R, S
+from rrrobot.momentum.lane import N_GRAPH, N_SCRATCH, ROOM, H, N, R, S, bend_of
 from rrrobot.momentum.series import shell_series
 from rrrobot.momentum.terrain import BOULDER, ELLIPSOIDS, FLAT, GRAPH, ROUND, SLOPE
 from rrrobot.momentum.uneven import graph_normal
@@ -36,10 +36,7 @@ def touch_lanes(y, terrain, b):  # type: ignore[no-untyped-def]
         if terrain.ground == GRAPH:
             _round_bend(terrain.radius, b)
     elif terrain.shell == ELLIPSOIDS:
-        if len(terrain.terms) == 1:
-            _ellipsoid(terrain.center, terrain.terms, b)
-        else:
-            _ellipsoids(terrain.center, terrain.terms, b)
+        _ellipsoids(terrain.center, terrain.terms, b)
     else:
         shell_series(terrain, b, N_SCRATCH + N_GRAPH)
 
@@ -141,33 +138,8 @@ def _round_bend(radius, b):  # type: ignore[no-untyped-def]
 
 
 @lanes
-def _ellipsoid(center, terms, b):  # type: ignore[no-untyped-def]
-    """x = c - A n/h, H = (A - e e^T)/h with h = sqrt(n.A n), e = A n/h."""
-    xx, yy, zz = terms[0, 0], terms[0, 1], terms[0, 2]
-    xy, xz, yz = terms[0, 3], terms[0, 4], terms[0, 5]
-    c0, c1, c2 = center[0], center[1], center[2]
-    for i in range(LANES):
-        n0, n1, n2 = b[N * LANES + i], b[(N + 1) * LANES + i], b[(N + 2) * LANES + i]
-        e0 = xx * n0 + xy * n1 + xz * n2
-        e1 = xy * n0 + yy * n1 + yz * n2
-        e2 = xz * n0 + yz * n1 + zz * n2
-        over = 1.0 / np.sqrt(n0 * e0 + n1 * e1 + n2 * e2)
-        e0, e1, e2 = over * e0, over * e1, over * e2
-        b[S * LANES + i], b[(S + 1) * LANES + i], b[(S + 2) * LANES + i] = e0 - c0, e1 - c1, e2 - c2
-        b[H * LANES + i], b[(H + 1) * LANES + i] = over * (xx - e0 * e0), over * (yy - e1 * e1)
-        b[(H + 2) * LANES + i], b[(H + 3) * LANES + i] = (
-            over * (zz - e2 * e2),
-            over * (xy - e0 * e1),
-        )
-        b[(H + 4) * LANES + i], b[(H + 5) * LANES + i] = (
-            over * (xz - e0 * e2),
-            over * (yz - e1 * e2),
-        )
-
-
-@lanes
 def _ellipsoids(center, terms, b):  # type: ignore[no-untyped-def]
-    """Likewise, summed."""
+    """x = c - sum A n/h, H = sum (A - e e^T)/h, see `bend_of`."""
     for a in range(3):
         for i in range(LANES):
             b[(S + a) * LANES + i] = -center[a]
@@ -175,23 +147,16 @@ def _ellipsoids(center, terms, b):  # type: ignore[no-untyped-def]
         for i in range(LANES):
             b[(H + a) * LANES + i] = 0.0
     for j in range(len(terms)):
-        xx, yy, zz = terms[j, 0], terms[j, 1], terms[j, 2]
-        xy, xz, yz = terms[j, 3], terms[j, 4], terms[j, 5]
+        term = terms[j, 0], terms[j, 1], terms[j, 2], terms[j, 3], terms[j, 4], terms[j, 5]
         for i in range(LANES):
             n0, n1, n2 = b[N * LANES + i], b[(N + 1) * LANES + i], b[(N + 2) * LANES + i]
-            e0 = xx * n0 + xy * n1 + xz * n2
-            e1 = xy * n0 + yy * n1 + yz * n2
-            e2 = xz * n0 + yz * n1 + zz * n2
-            # A disc's or a rod's own share ends where its h does.
-            square = n0 * e0 + n1 * e1 + n2 * e2
-            over = 1.0 / np.sqrt(square) if square > 0.0 else 0.0
-            e0, e1, e2 = over * e0, over * e1, over * e2
+            e0, e1, e2, xx, yy, zz, xy, xz, yz = bend_of(term, n0, n1, n2)
             b[S * LANES + i] += e0
             b[(S + 1) * LANES + i] += e1
             b[(S + 2) * LANES + i] += e2
-            b[H * LANES + i] += over * (xx - e0 * e0)
-            b[(H + 1) * LANES + i] += over * (yy - e1 * e1)
-            b[(H + 2) * LANES + i] += over * (zz - e2 * e2)
-            b[(H + 3) * LANES + i] += over * (xy - e0 * e1)
-            b[(H + 4) * LANES + i] += over * (xz - e0 * e2)
-            b[(H + 5) * LANES + i] += over * (yz - e1 * e2)
+            b[H * LANES + i] += xx
+            b[(H + 1) * LANES + i] += yy
+            b[(H + 2) * LANES + i] += zz
+            b[(H + 3) * LANES + i] += xy
+            b[(H + 4) * LANES + i] += xz
+            b[(H + 5) * LANES + i] += yz

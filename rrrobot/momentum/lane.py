@@ -15,7 +15,7 @@ R, N, S, H, W, P, X, U, UP = 0, 9, 12, 15, 21, 24, 27, 30, 36
 ends, and the least det(1 + H G), each negative once it has been."""
 ROOM, DET = UP, UP + 1
 N_SCRATCH = UP + 2
-N_GRAPH = 37
+N_GRAPH = 1 + 36
 """Further rows that stay: the cell of a graph that a lane was last in, and of its table there."""
 
 
@@ -143,6 +143,27 @@ def brake(y, par, k, stage, i, zx, zy, zz, w0, w1, w2, f0, f1, f2):  # type: ign
     k[stage, 3 * LANES + i] = -0.5 * (qx * w0 + qy * w1 + qz * w2)
     k[stage, 4 * LANES + i], k[stage, 5 * LANES + i], k[stage, 6 * LANES + i] = f0, f1, f2
     k[stage, 9 * LANES + i] = yaw_rate
+
+
+@njit(inline="always")
+def bend_of(term, n0, n1, n2):  # type: ignore[no-untyped-def]
+    """e = A n/h and H = (A - e e^T)/h of an ellipsoid with h = sqrt(n.A n).
+
+    Zero where a disc's or a rod's h ends: there its share of a sum does.
+    """
+    xx, yy, zz, xy, xz, yz = term
+    e0, e1, e2 = (
+        xx * n0 + xy * n1 + xz * n2,
+        xy * n0 + yy * n1 + yz * n2,
+        xz * n0 + yz * n1 + zz * n2,
+    )
+    square = n0 * e0 + n1 * e1 + n2 * e2
+    over = 1.0 / np.sqrt(square) if square > 0.0 else 0.0
+    e0, e1, e2 = over * e0, over * e1, over * e2
+    return (
+        e0, e1, e2, over * (xx - e0 * e0), over * (yy - e1 * e1), over * (zz - e2 * e2),
+        over * (xy - e0 * e1), over * (xz - e0 * e2), over * (yz - e1 * e2),
+    )  # fmt: skip
 
 
 @njit(inline="always")

@@ -23,7 +23,7 @@ from rrrobot.momentum.common_pairs import (
     ellipsoid_on_plane,
     round_on_boulder,
     round_on_plane,
-    three_on_plane,
+    three_on_level,
 )
 from rrrobot.momentum.compiled import lanes
 from rrrobot.momentum.contacts import touch_lanes
@@ -56,7 +56,7 @@ def rolling_rates(y, c, row, par, k, stage, terrain, b):  # type: ignore[no-unty
     elif terrain.shell == ELLIPSOIDS and terrain.ground == SLOPE and len(terrain.terms) == 1:
         ellipsoid_on_plane(y, c, row, par, k, stage, terrain.center, terrain.terms, terrain.basis)
     elif terrain.shell == ELLIPSOIDS and terrain.ground == LEVEL and len(terrain.terms) == 3:
-        three_on_plane(y, c, row, par, k, stage, terrain.center, terrain.terms, None)
+        three_on_level(y, c, row, par, k, stage, terrain.center, terrain.terms)
     else:
         evaluate_lanes(y, c, row, par, k, stage, terrain, b)
 
