@@ -51,17 +51,17 @@ clean:
 
 .venv/.base: .venv/bin/pip pyproject.toml
 	@echo "once: downloads Pinocchio, Matplotlib, Numba and others into .venv, which takes minutes"
-	$(BIN)/pip install -q -e .
+	$(BIN)/pip install -q --no-compile -e .
 	@touch $@
 
 .venv/.dev: .venv/bin/pip pyproject.toml
-	$(BIN)/pip install -q -e '.[robots,dev]'
+	$(BIN)/pip install -q --no-compile -e '.[robots,dev]'
 	@touch $@ .venv/.base .venv/.docs
 
 .venv/.docs: .venv/bin/pip pyproject.toml
-	$(BIN)/pip install -q -e '.[docs]'
+	$(BIN)/pip install -q --no-compile -e '.[docs]'
 	@touch $@ .venv/.base
 
 .venv/.bench: .venv/.dev
-	$(BIN)/pip install -q -e '.[robots,dev,bench]'
+	$(BIN)/pip install -q --no-compile -e '.[robots,dev,bench]'
 	@touch $@

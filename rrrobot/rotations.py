@@ -37,17 +37,16 @@ def rotation_from_euler(euler: ArrayLike) -> Array:
 
 def quaternion_from_euler(euler: ArrayLike) -> Array:
     """Unit quaternion (x, y, z, w) of (roll, pitch, yaw); vectorised: (..., 3) -> (..., 4)."""
-    half = 0.5 * np.asarray(euler, dtype=float)
-    (cr, cp, cy), (sr, sp, sy) = np.moveaxis(np.cos(half), -1, 0), np.moveaxis(np.sin(half), -1, 0)
-    return np.stack(
+    half = 0.5 * np.asarray(euler, dtype=float).T
+    (cr, cp, cy), (sr, sp, sy) = np.cos(half), np.sin(half)
+    return np.array(
         (
             sr * cp * cy - cr * sp * sy,
             cr * sp * cy + sr * cp * sy,
             cr * cp * sy - sr * sp * cy,
             cr * cp * cy + sr * sp * sy,
-        ),
-        axis=-1,
-    )
+        )
+    ).T.copy()
 
 
 def rotation_from_quaternion(quaternion: ArrayLike) -> Array:

@@ -53,7 +53,7 @@ def robot():
 
 @pytest.fixture(scope="module")
 def run(robot):
-    return rr.simulate(rr.FullModel(robot), rr.gait("circular"), 20.0)
+    return rr.simulate(rr.FullModel(robot), rr.gait("circular"), 20.0, method="momentum")
 
 
 @pytest.fixture(scope="module")
@@ -62,13 +62,13 @@ def results(robot, run):
         rr.FullModel(robot), FastestTravel(), offset=1.2, amplitude=0.3, angular_frequency=8.0,
         phase_difference=1.5, settle_time=3.0,
     )  # fmt: skip
-    front = rr.pareto_front(rr.FullModel(robot), n_points=3, budget=400, settle_time=8.0, tied=True)
+    front = rr.pareto_front(rr.FullModel(robot), n_points=2, budget=150, settle_time=4.0, tied=True)
     return {
         "mass": robot,
         "damping": rr.FullModel(robot),
         "Trajectory": run,
         "yaw rate": run.steady_state(),
-        "pivoting": rr.studies.compare(robot, rr.gait("circular"), 8.0),
+        "pivoting": rr.studies.compare(robot, rr.gait("circular"), 4.0),
         "curvature": best,
         "Pareto front": front,
         "it holds": rr.limit_cycle(rr.FullModel(robot), rr.gait("circular")),

@@ -213,7 +213,7 @@ def test_energy_is_conserved_without_damping(axis: str) -> None:
     model = MODELS[axis](library_robot(UNEQUAL), damping=None)
     start = np.zeros(3)
     start[AXES.index(axis)] = 2.0
-    still = rr.simulate(model, rr.StillLegs((0.6, 1.9)), 10.0, 0.05, start=start)
+    still = rr.simulate(model, rr.StillLegs((0.6, 1.9)), 4.0, 0.05, start=start)
     free = rr.simulate(
         model, rr.LegTorques((0.0, 0.0), angle=(1.0, 2.0), rate=(0.5, -0.5)), 2.0, start=start
     )

@@ -8,7 +8,7 @@ import pytest
 import rrrobot as rr
 from tests.some import some
 
-SECONDS, INTERVAL, STEP = 3.0, 0.05, 0.01
+SECONDS, INTERVAL, STEP = 1.5, 0.05, 0.01
 MODELS = (rr.FullModel, rr.PivotingModel, rr.RollModel, rr.PitchModel, rr.YawModel)
 METHODS = ("kkt", "momentum")
 GAIT = rr.SinusoidalGait(

@@ -40,7 +40,7 @@ needs_proc = pytest.mark.skipif(not Path("/proc/net/tcp").exists(), reason="no /
 @pytest.fixture(scope="module")
 def trajectory():
     model = rr.FullModel(rr.Robot.from_parameters())
-    return rr.simulate(model, rr.gait("circular"), duration=10.0)
+    return rr.simulate(model, rr.gait("circular"), duration=10.0, method="momentum")
 
 
 @pytest.fixture(scope="module")
@@ -169,7 +169,7 @@ def test_trace_grows_or_is_whole_or_absent(browser, trajectory, tmp_path):
 
 
 @needs_browser
-@pytest.mark.parametrize("follow", [False, True])
+@pytest.mark.parametrize("follow", [False, pytest.param(True, marks=pytest.mark.slow)])
 def test_robot_is_in_the_picture_all_the_way(browser, follow, tmp_path):
     robot, slope = rr.Robot.from_parameters(), rr.Plane((0.1, -0.06, 1.0))
     down = rr.simulate(rr.FullModel(robot, ground=slope), rr.gait("circular"), duration=3.0)

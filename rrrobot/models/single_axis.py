@@ -48,6 +48,8 @@ class SingleAxisModel(Model):
             frame = model.getFrameId(SHELL_FRAME)
             constraints = (RollingContact(model, frame, robot.shell, ground, rows=(self.row,)),)
         super().__init__(robot, model, ground=ground, damping=damping, constraints=constraints)
+        self._moving = np.flatnonzero(self.travel())
+        self._basis = np.append(self.travel()[self._moving], 1.0)[:, None]
 
     @abstractmethod
     def travel(self) -> Array:
@@ -63,14 +65,13 @@ class SingleAxisModel(Model):
     def place(self, pose: Array) -> Placement:
         euler = np.zeros(3)
         euler[self.axis] = pose[0]
-        travel = self.travel()
-        moving = np.flatnonzero(travel)
+        position = pose[1:]
         return Placement(
             quaternion_from_euler(euler),
-            pose[1:],
+            position,
             rotation_from_euler(euler),
-            np.append(pose[1:][moving], pose[0]),
-            np.append(travel[moving], 1.0)[:, None],
+            np.append(position[self._moving], pose[0]),
+            self._basis,
         )
 
     def quaternions(self, poses: Array) -> Array:

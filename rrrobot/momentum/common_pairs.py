@@ -32,12 +32,12 @@ from rrrobot.momentum.lane import (
 
 
 @lanes
-def round_on_plane(y, c, row, par, k, stage, center, radius, basis):  # type: ignore[no-untyped-def]
+def round_on_plane(y, c, row, par, k, stage, center, radius, plane):  # type: ignore[no-untyped-def]
     """s = r n - c, x_dot = r w x n; P_dot = r Omega x n."""
     c0, c1, c2 = center[0], center[1], center[2]
     for i in range(LANES):
         r = turn(y, i)
-        n0, n1, n2 = normal_of(basis, r)
+        n0, n1, n2 = normal_of(plane, r)
         s0, s1, s2 = radius * n0 - c0, radius * n1 - c1, radius * n2 - c2
         w0, w1, w2, p0, p1, p2 = velocity(y, c, row, par, i, s0, s1, s2)
         x0, x1, x2 = (
@@ -49,7 +49,7 @@ def round_on_plane(y, c, row, par, k, stage, center, radius, basis):  # type: ig
             y, c, row, par, k, stage, i, r[6], r[7], r[8], s0, s1, s2, w0, w1, w2, p0, p1, p2,
             x0, x1, x2,
         )  # fmt: skip
-        along_plane(basis, k, stage, i, r, x0, x1, x2)
+        along_plane(plane, k, stage, i, r, x0, x1, x2)
 
 
 @lanes
@@ -60,12 +60,14 @@ def round_on_boulder(  # type: ignore[no-untyped-def]
     c0, c1, c2 = center[0], center[1], center[2]
     det = 1.0 + curvature * radius
     scale = radius / det
+    if curvature < 0.0:
+        for i in range(LANES):
+            b[DET * LANES + i] = det
     for i in range(LANES):
         r = turn(y, i)
         b0, b1 = curvature * y[7 * LANES + i], curvature * y[8 * LANES + i]
         across = b0 * b0 + b1 * b1
         b[ROOM * LANES + i] = min(b[ROOM * LANES + i], limit - across)
-        b[DET * LANES + i] = det
         b2 = np.sqrt(max(1.0 - across, 0.0))
         n0, n1, n2 = in_body(r, b0, b1, b2)
         s0, s1, s2 = radius * n0 - c0, radius * n1 - c1, radius * n2 - c2
@@ -83,14 +85,14 @@ def round_on_boulder(  # type: ignore[no-untyped-def]
 
 
 @lanes
-def ellipsoid_on_plane(y, c, row, par, k, stage, center, terms, basis):  # type: ignore[no-untyped-def]
+def ellipsoid_on_plane(y, c, row, par, k, stage, center, terms, plane):  # type: ignore[no-untyped-def]
     """s = e - c, x_dot = (A y - e (e.y))/h with e = A n/h and y = w x n."""
     c0, c1, c2 = center[0], center[1], center[2]
     xx, yy, zz = terms[0, 0], terms[0, 1], terms[0, 2]
     xy, xz, yz = terms[0, 3], terms[0, 4], terms[0, 5]
     for i in range(LANES):
         r = turn(y, i)
-        n0, n1, n2 = normal_of(basis, r)
+        n0, n1, n2 = normal_of(plane, r)
         e0, e1, e2 = (
             xx * n0 + xy * n1 + xz * n2,
             xy * n0 + yy * n1 + yz * n2,
@@ -109,7 +111,7 @@ def ellipsoid_on_plane(y, c, row, par, k, stage, center, terms, basis):  # type:
             y, c, row, par, k, stage, i, r[6], r[7], r[8], s0, s1, s2, w0, w1, w2, p0, p1, p2,
             x0, x1, x2,
         )  # fmt: skip
-        along_plane(basis, k, stage, i, r, x0, x1, x2)
+        along_plane(plane, k, stage, i, r, x0, x1, x2)
 
 
 @lanes
@@ -140,7 +142,7 @@ def three_on_level(y, c, row, par, k, stage, center, terms):  # type: ignore[no-
 
 
 @lanes
-def bent_on_plane(y, c, row, par, k, stage, basis, b):  # type: ignore[no-untyped-def]
+def bent_on_plane(y, c, row, par, k, stage, plane, b):  # type: ignore[no-untyped-def]
     """x_dot = H (w x n), of shells whose contact is in the scratch; leaves w, p, x_dot there."""
     for i in range(LANES):
         n0, n1, n2 = b[N * LANES + i], b[(N + 1) * LANES + i], b[(N + 2) * LANES + i]
@@ -166,4 +168,4 @@ def bent_on_plane(y, c, row, par, k, stage, basis, b):  # type: ignore[no-untype
             y, c, row, par, k, stage, i, r[6], r[7], r[8], s0, s1, s2, w0, w1, w2, p0, p1, p2,
             x0, x1, x2,
         )  # fmt: skip
-        along_plane(basis, k, stage, i, r, x0, x1, x2)
+        along_plane(plane, k, stage, i, r, x0, x1, x2)

@@ -24,7 +24,7 @@ def touch_lanes(y, terrain, b):  # type: ignore[no-untyped-def]
         _belly(y, terrain, b)
         return
     if terrain.ground == SLOPE:
-        _slope(terrain.basis, b)
+        _slope(terrain.plane, b)
     elif terrain.ground == BOULDER:
         _boulder(y, terrain.curvature, terrain.limit, b)
     elif terrain.ground == GRAPH:
@@ -66,8 +66,8 @@ def _level(b):  # type: ignore[no-untyped-def]
 
 
 @lanes
-def _slope(basis, b):  # type: ignore[no-untyped-def]
-    n0, n1, n2 = basis[2, 0], basis[2, 1], basis[2, 2]
+def _slope(plane, b):  # type: ignore[no-untyped-def]
+    n0, n1, n2 = plane[0], plane[1], plane[2]
     for a in range(3):
         for i in range(LANES):
             b[(N + a) * LANES + i] = (

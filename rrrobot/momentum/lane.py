@@ -167,20 +167,20 @@ def bend_of(term, n0, n1, n2):  # type: ignore[no-untyped-def]
 
 
 @njit(inline="always")
-def normal_of(basis, r):  # type: ignore[no-untyped-def]
-    """n_b of a plane, whose basis is None if it is level: Numba leaves out the other branch."""
-    if basis is None:
+def normal_of(plane, r):  # type: ignore[no-untyped-def]
+    """n_b of a plane, which is None if level: Numba leaves out the other branch."""
+    if plane is None:
         return r[6], r[7], r[8]
-    return in_body(r, basis[2, 0], basis[2, 1], basis[2, 2])
+    return in_body(r, plane[0], plane[1], plane[2])
 
 
 @njit(inline="always")
-def along_plane(basis, k, stage, i, r, x0, x1, x2):  # type: ignore[no-untyped-def]
-    """Rates of a plane's coordinates, of P_dot = R x_dot; the basis as in `normal_of`."""
-    if basis is None:
-        k[stage, 7 * LANES + i] = r[0] * x0 + r[1] * x1 + r[2] * x2
-        k[stage, 8 * LANES + i] = r[3] * x0 + r[4] * x1 + r[5] * x2
+def along_plane(plane, k, stage, i, r, x0, x1, x2):  # type: ignore[no-untyped-def]
+    """Rates of a plane's coordinates, of P_dot = R x_dot; the plane as in `normal_of`."""
+    d0 = r[0] * x0 + r[1] * x1 + r[2] * x2
+    d1 = r[3] * x0 + r[4] * x1 + r[5] * x2
+    if plane is None:
+        k[stage, 7 * LANES + i], k[stage, 8 * LANES + i] = d0, d1
     else:
-        d0, d1, d2 = in_world(r, x0, x1, x2)
-        k[stage, 7 * LANES + i] = basis[0, 0] * d0 + basis[0, 1] * d1 + basis[0, 2] * d2
-        k[stage, 8 * LANES + i] = basis[1, 0] * d0 + basis[1, 1] * d1 + basis[1, 2] * d2
+        k[stage, 7 * LANES + i] = plane[3] * d0 + plane[4] * d1
+        k[stage, 8 * LANES + i] = plane[5] * d0 + plane[6] * d1

@@ -27,7 +27,7 @@ from rrrobot.momentum.common_pairs import (
 )
 from rrrobot.momentum.compiled import lanes
 from rrrobot.momentum.contacts import touch_lanes
-from rrrobot.momentum.lane import DET, H, N, P, R, S, W, X, finish, velocity
+from rrrobot.momentum.lane import DET, H, N, P, R, S, W, X, along_plane, finish, velocity
 from rrrobot.momentum.terrain import (
     BOULDER,
     ELLIPSOIDS,
@@ -45,7 +45,7 @@ def rolling_rates(y, c, row, par, k, stage, terrain, b):  # type: ignore[no-unty
     if terrain.shell == ROUND and terrain.ground == LEVEL:
         round_on_plane(y, c, row, par, k, stage, terrain.center, terrain.radius, None)
     elif terrain.shell == ROUND and terrain.ground == SLOPE:
-        round_on_plane(y, c, row, par, k, stage, terrain.center, terrain.radius, terrain.basis)
+        round_on_plane(y, c, row, par, k, stage, terrain.center, terrain.radius, terrain.plane)
     elif terrain.shell == ROUND and terrain.ground == BOULDER:
         round_on_boulder(
             y, c, row, par, k, stage, terrain.center, terrain.radius, terrain.curvature,
@@ -54,7 +54,7 @@ def rolling_rates(y, c, row, par, k, stage, terrain, b):  # type: ignore[no-unty
     elif terrain.shell == ELLIPSOIDS and terrain.ground == LEVEL and len(terrain.terms) == 1:
         ellipsoid_on_plane(y, c, row, par, k, stage, terrain.center, terrain.terms, None)
     elif terrain.shell == ELLIPSOIDS and terrain.ground == SLOPE and len(terrain.terms) == 1:
-        ellipsoid_on_plane(y, c, row, par, k, stage, terrain.center, terrain.terms, terrain.basis)
+        ellipsoid_on_plane(y, c, row, par, k, stage, terrain.center, terrain.terms, terrain.plane)
     elif terrain.shell == ELLIPSOIDS and terrain.ground == LEVEL and len(terrain.terms) == 3:
         three_on_level(y, c, row, par, k, stage, terrain.center, terrain.terms)
     else:
@@ -66,7 +66,7 @@ def evaluate_lanes(y, c, row, par, k, stage, terrain, b):  # type: ignore[no-unt
     """k = dy/dt, with w, p and x_dot of every lane left in the scratch."""
     touch_lanes(y, terrain, b)
     if terrain.ground <= SLOPE and terrain.shell != ROUND:
-        bent_on_plane(y, c, row, par, k, stage, terrain.basis, b)
+        bent_on_plane(y, c, row, par, k, stage, terrain.plane, b)
         return
     _momentum(y, c, row, par, b)
     if terrain.ground <= SLOPE:
@@ -84,7 +84,7 @@ def evaluate_lanes(y, c, row, par, k, stage, terrain, b):  # type: ignore[no-unt
     if terrain.shell == FLAT:
         _on_belly(terrain.rotation, b, k, stage)
     elif terrain.ground == SLOPE:
-        _on_slope(terrain.basis, b, k, stage)
+        _on_slope(terrain.plane, b, k, stage)
     else:
         _on_map(b, k, stage)
 
@@ -185,11 +185,13 @@ def _on_map(b, k, stage):  # type: ignore[no-untyped-def]
 
 
 @lanes
-def _on_slope(basis, b, k, stage):  # type: ignore[no-untyped-def]
+def _on_slope(plane, b, k, stage):  # type: ignore[no-untyped-def]
     for i in range(LANES):
-        x0, x1, x2 = b[X * LANES + i], b[(X + 1) * LANES + i], b[(X + 2) * LANES + i]
-        d0 = b[R * LANES + i] * x0 + b[(R + 1) * LANES + i] * x1 + b[(R + 2) * LANES + i] * x2
-        d1 = b[(R + 3) * LANES + i] * x0 + b[(R + 4) * LANES + i] * x1 + b[(R + 5) * LANES + i] * x2
-        d2 = b[(R + 6) * LANES + i] * x0 + b[(R + 7) * LANES + i] * x1 + b[(R + 8) * LANES + i] * x2
-        for a in range(2):
-            k[stage, (7 + a) * LANES + i] = basis[a, 0] * d0 + basis[a, 1] * d1 + basis[a, 2] * d2
+        r = (
+            b[R * LANES + i], b[(R + 1) * LANES + i], b[(R + 2) * LANES + i],
+            b[(R + 3) * LANES + i], b[(R + 4) * LANES + i], b[(R + 5) * LANES + i],
+        )  # fmt: skip
+        along_plane(
+            plane, k, stage, i, r,
+            b[X * LANES + i], b[(X + 1) * LANES + i], b[(X + 2) * LANES + i],
+        )  # fmt: skip

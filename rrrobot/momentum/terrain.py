@@ -54,8 +54,9 @@ class Terrain(NamedTuple):
     """how many are of even degree"""
     degrees: Array
     """the even and the odd degree (2,)"""
-    basis: Array
-    """of a plane, rows t1, t2, n (3, 3)"""
+    plane: tuple[float, ...]
+    """of a plane: n, and its coordinates of the world's x and y of a vector in it (x x, x y, y x,
+    y y), n_z being above zero"""
     curvature: float
     """k of a boulder [1/m]"""
     limit: float
@@ -79,7 +80,7 @@ def terrain_of(shell: Surface, placement: tuple[Array, Array], ground: Ground) -
     center, rotation = np.array(placement[0]), np.ascontiguousarray(placement[1])
     plain = Terrain(
         ROUND, LEVEL, center, 0.0, rotation, np.zeros((0, 6)),
-        np.zeros((0, 3), dtype=np.int64), np.zeros(0), 0, np.zeros(2), np.eye(3), 0.0,
+        np.zeros((0, 3), dtype=np.int64), np.zeros(0), 0, np.zeros(2), (0.0,) * 7, 0.0,
         1.0 - LOWEST_NORMAL**2, np.zeros(2), np.ones(2), np.zeros((6, 1, 6)), np.full(2, np.inf),
     )  # fmt: skip
     return _with_shell(_with_ground(plain, ground), shell)
@@ -99,7 +100,9 @@ def fineness(shell: Surface) -> int:
 def _with_ground(terrain: Terrain, ground: Ground) -> Terrain:
     if type(ground) is Plane:
         kind = LEVEL if ground.is_level else SLOPE
-        return terrain._replace(ground=kind, basis=np.ascontiguousarray(ground.basis.T))
+        t, n = ground.basis[:, :2].T, ground.normal_vector
+        flat = t[:, :2] - np.outer(t[:, 2], n[:2] / n[2])
+        return terrain._replace(ground=kind, plane=(*n.tolist(), *flat.ravel().tolist()))
     if type(ground) is Boulder:
         return terrain._replace(ground=BOULDER, curvature=1.0 / ground.radius)
     if type(ground) is Graph:
