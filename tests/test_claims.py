@@ -26,6 +26,7 @@ from rrrobot.paper.settled import (
 )
 from rrrobot.paper.workshop import Workshop
 from rrrobot.paper.yaw_balance import attitude, yaw_balance
+from tests.pages import are_printed
 
 LATERAL, CIRCULAR, TURN = 0.009656, 0.0066765, 0.0208546
 """v [m/s] of the two gaits and yaw rate [rad/s] of the circular one, by Kane's method."""
@@ -179,6 +180,8 @@ def test_legs_in_phase(shop):
     assert found["legs in phase, roll"] < 1e-12 and found["offset 90 deg"] < 1e-12
     assert found["offset 45 deg"] == pytest.approx(1.10, abs=0.01)
     assert found["offset 0 deg"] == pytest.approx(2.137, abs=0.01)
+    are_printed((found["offset 45 deg"], found["offset 0 deg"]),
+                "errata.md", r"is ([\d.]+) times yaw, at 0° ([\d.]+) times")  # fmt: skip
 
 
 @pytest.mark.slow
@@ -234,6 +237,8 @@ def test_roll(shop):
     assert found["lateral gait, roll over pitch"] < 1e-5
     assert found["circular gait, roll over pitch"] == pytest.approx(0.3332, rel=1e-3)
     assert found["circular gait, roll over yaw"] == pytest.approx(1.1647, rel=1e-3)
+    are_printed((found["circular gait, roll over pitch"], found["circular gait, roll over yaw"]),
+                "errata.md", r"roll is ([\d.]+) of the pitch and ([\d.]+) of")  # fmt: skip
 
 
 @pytest.mark.slow
@@ -289,6 +294,7 @@ def test_yaw_amplitude(shop):
     assert found["full model, the same"] == pytest.approx(1.065, abs=2e-3)
     assert found["yaw inertia"] == pytest.approx(1.165, abs=2e-3)
     assert found["full model's yaw amplitude"] == pytest.approx(0.0770228 / 0.0548017, rel=1e-3)
+    are_printed((found["full model's yaw amplitude"],), "errata.md", r"are ([\d.]+) times larger")
     assert found["pitch and roll"] == pytest.approx(1.398, abs=2e-3)
 
 
@@ -304,6 +310,10 @@ def test_yaw_drift_cause(shop, circular):
     assert len(found.differing()) == 2
     assert found["yaw model's drift"] == pytest.approx(0.0135522, rel=1e-5)
     assert found["as it swings"] == pytest.approx(-0.0119340, rel=1e-4)
+    are_printed(
+        (found["yaw model's drift"], found["as it swings"], TURN), "errata.md",
+        r"round: ([\d.]+) rad/s becomes (\u2212[\d.]+)\. The full model's ([\d.]+) is",
+    )  # fmt: skip
     assert found["with the roll too"] == pytest.approx(0.1370146, rel=1e-4)
     assert found["on the ground, over"] == pytest.approx(1.0, abs=1e-6)
     assert found["mean moment"] == pytest.approx(1.0, abs=1e-6)

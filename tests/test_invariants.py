@@ -7,6 +7,7 @@ from scipy.interpolate import make_interp_spline
 
 import rrrobot as rr
 from tests import derivations
+from tests.pages import numbers
 from tests.random_robot import random_robot
 from tests.some import some
 
@@ -73,7 +74,15 @@ def derived_cycles(path, period):
 def test_energy_is_conserved_with_legs_held(robot, euler):
     model = rr.FullModel(robot, damping=None)
     t = rr.simulate(model, rr.StillLegs(UP), duration=30.0, euler=euler, start="rest")
-    assert np.ptp(t.energy) < 1e-9 * t.energy[0]
+    assert np.ptp(t.energy) < 1e-10 * t.energy[0]
+    told = numbers(
+        "../README.md", r"over (\d+) s of free rocking from ([\d.]+) rad \| ([\de-]+) of"
+    )
+    assert told == (t.time[-1], 0.5, 1e-10)
+    told = numbers(
+        "theory/equations.md", r"Over (\d+) s of free rocking rrrobot .* to ([\de-]+) of"
+    )
+    assert told == (t.time[-1], 1e-10)
     assert t.slip.max() < 1e-12 and np.abs(t.height_error).max() < 1e-12
 
 

@@ -5,6 +5,7 @@ import pytest
 
 import rrrobot as rr
 from rrrobot.machines import Joint, Link, Machine, Mechanism, Tree
+from tests.pages import numbers
 from tests.test_machines_space import zxy
 
 HOUR = 3600.0
@@ -60,6 +61,7 @@ def test_long_runs_keep_positions_and_velocities(make, seconds):
     t = machine.simulate(None, seconds, sample_interval=seconds / 20, rtol=1e-7, atol=1e-7, **begin)
     assert t.gap.max() < 1e-12
     assert t.violation.max() < 1e-12
+    assert numbers("reference/machines.md", r"both stay within ([\de-]+), at any") == (1e-12,)
     assert np.ptp(t.energy) > 1e-8 * t.energy[0]
     assert len(t) == 21 and t.time[-1] == seconds
 

@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 
 import rrrobot as rr
 from tests.derivations import Axis, Motion, PointMassRobot, single_axis_model
+from tests.pages import numbers
 from tests.twins import (
     UNEQUAL,
     Array,
@@ -161,6 +162,7 @@ def test_yaw_mass_matrix_is_eq_12(seed: int) -> None:
     model = rr.YawModel(case.robot)
     M = model.mass_matrix(case.pose(model), case.state.leg.angle)
     assert error(M, rr.paper.yaw_mass_matrix(parameters(case.points), case.state.leg.angle)) < 1e-13
+    assert numbers("../README.md", r"eq \(12\) \| ([\de-]+) \|") == (1e-13,)
     turned = model.mass_matrix(case.pose(model, 2.0), case.state.leg.angle)
     assert np.abs(turned - M).max() < 1e-15
 
