@@ -130,6 +130,27 @@ def test_links_apart_are_coal_s_distance_and_neighbours_do_not_count():
     assert apart.ground[0, feet] == pytest.approx(apart.ground[0, feet[0]], abs=1e-3)
 
 
+@pytest.mark.parametrize("jump", [False, True])
+def test_pairs_that_are_not_looked_at_are_not_the_nearest(jump):
+    """Along a motion, and among postures that have nothing to do with each other."""
+    solo = rr.Robot.from_example("solo12", shell=rr.Sphere(0.3))
+    shapes = rr.belly.Shapes.of(solo)
+    rng, t = np.random.default_rng(4), np.linspace(0, 2 * np.pi, 150)
+    q = np.tile(np.concatenate((pin.neutral(solo.model)[:7], np.zeros(12))), (150, 1))
+    swing = np.sin(t[:, None] + rng.uniform(0, 6, 12)) * rng.uniform(0.3, 1.5, 12)
+    q[:, 7:] = rng.uniform(-1.5, 1.5, (150, 12)) if jump else swing
+    q[:, 0] = 3.0 * t
+    found = rr.belly.clearances(shapes, q, rr.Plane())
+    data, apart = solo.model.createData(), shapes.geometry.createData()
+    every = np.empty((150, len(shapes.pairs)))
+    for row, one in zip(every, q, strict=True):
+        pin.computeDistances(solo.model, data, shapes.geometry, apart, one)
+        row[:] = [result.min_distance for result in apart.distanceResults]
+    assert np.ptp(every.min(axis=1)) > 0.05 and np.unique(every.argmin(axis=1)).size > 3
+    np.testing.assert_allclose(found.between, every.min(axis=1), atol=2e-6)
+    np.testing.assert_allclose(every[np.arange(150), found.pair], found.between, atol=2e-6)
+
+
 def test_distances_of_a_hundred_gaits_take_seconds():
     solo = rr.Robot.from_example("solo12", shell=rr.Sphere(0.3))
     shapes = rr.belly.Shapes.of(solo)

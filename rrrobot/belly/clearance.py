@@ -15,6 +15,8 @@ from rrrobot.checks import Array
 from rrrobot.contact.boulder import Boulder
 from rrrobot.contact.ground import Ground, Plane
 
+_INEXACT = 1e-5
+"""Error of Coal's distances [m]; it stops at 1e-6."""
 _LOWEST = 24
 """Corners of a piece whose distance from uneven ground is asked for: those lowest along z."""
 
@@ -58,17 +60,9 @@ def clearances(
     """
     model, data = shapes.robot.model, shapes.robot.model.createData()
     n = len(configurations)
-    between, pair = np.full(n, np.inf), np.zeros(n, dtype=np.int64)
     rotation, place = np.empty((model.njoints, n, 3, 3)), np.empty((model.njoints, n, 3))
-    apart = shapes.geometry.createData()
     for k, q in enumerate(configurations):
-        if shapes.pairs:
-            pin.computeDistances(model, data, shapes.geometry, apart, q)
-            found = [result.min_distance for result in apart.distanceResults]
-            pair[k] = int(np.argmin(found))
-            between[k] = found[pair[k]]
-        else:
-            pin.forwardKinematics(model, data, q)
+        pin.forwardKinematics(model, data, q)
         for joint in range(1, model.njoints):
             rotation[joint, k], place[joint, k] = (
                 data.oMi[joint].rotation,
@@ -86,7 +80,56 @@ def clearances(
         else:
             own = _from_uneven(piece, ground, turn, at)
         height[:, i] = np.minimum(height[:, i], own)
-    return Clearances(height, links, between, pair)
+    return Clearances(height, links, *_between(shapes, configurations, rotation, place))
+
+
+def _between(
+    shapes: Shapes, configurations: Array, rotation: Array, place: Array
+) -> tuple[Array, NDArray[np.int64]]:
+    """Least distance of the pairs (n,) and which that is (n,), the joints at these placements.
+
+    Coal is asked only of pairs that may be the nearest: from one configuration to the next, no
+    distance shrinks by more than what the points of both pieces travel as seen from the base.
+    """
+    n, pairs = len(configurations), len(shapes.pairs)
+    least, nearest = np.full(n, np.inf), np.zeros(n, dtype=np.int64)
+    if not pairs:
+        return least, nearest
+    model, geometry = shapes.robot.model, shapes.geometry
+    data, apart = model.createData(), geometry.createData()
+    travel = _travel(shapes.pieces, rotation, place)
+    one, other = np.array(shapes.pairs).T
+    known, best = np.full(pairs, -np.inf), 0
+    for k, q in enumerate(configurations):
+        pin.updateGeometryPlacements(model, data, geometry, apart, q)
+        moved = travel[k, one] + travel[k, other]
+        least[k] = pin.computeDistance(geometry, apart, best).min_distance
+        for i in np.flatnonzero(known - moved < least[k] + _INEXACT).tolist():
+            found = pin.computeDistance(geometry, apart, i).min_distance
+            known[i] = found + moved[i]
+            if found < least[k]:
+                least[k], best = found, i
+        nearest[k] = best
+    return least, nearest
+
+
+def _travel(pieces: Sequence[Piece], rotation: Array, place: Array) -> Array:
+    """How far, at most, a point of each piece has gone by each configuration (n, pieces) [m].
+
+    As seen from the base: the way of the middle, and of the farthest point around it.
+    """
+    base = np.swapaxes(rotation[1], -1, -2)
+    out = np.zeros((len(base), len(pieces)))
+    for i, piece in enumerate(pieces):
+        middle = (piece.points.max(axis=0) + piece.points.min(axis=0)) / 2
+        reach = np.linalg.norm(piece.points - middle, axis=1).max() + piece.radius
+        turn = base @ rotation[piece.joint]
+        at = np.einsum("nij,nj->ni", base, place[piece.joint] - place[1]) + turn @ middle
+        # A rotation by a moves what is r away by 2 r sin(a/2), and |R - 1| is 2 sqrt(2) sin(a/2).
+        turned = np.linalg.norm(np.diff(turn, axis=0), axis=(1, 2)) / np.sqrt(2.0)
+        way = np.linalg.norm(np.diff(at, axis=0), axis=1) + reach * turned
+        out[1:, i] = np.cumsum(way)
+    return out
 
 
 def _from_ground(gauge: Gauge, ground: Ground, rotation: Array, place: Array) -> Array:
