@@ -192,7 +192,7 @@ def test_pitch_linear(shop):
     assert higher == pytest.approx([0.00296, 0.0396, 0.0873, 0.00956, 0.1772], rel=0.01)
     assert found["offset 0 deg, 0.6", "linear"] == pytest.approx(1.535, rel=0.01)
     # The general model, and the amplitude of the linear response in the docs of pitch_response.
-    state = rr.simulate(rr.PitchModel(shop.robot), rr.gait("lateral"), 20.0).steady_state()
+    state = rr.simulate(rr.PitchModel(shop.robot), rr.gait("lateral"), 30.0).steady_state()
     lateral = found["offset 90 deg, 0.3", "linear"]
     assert lateral == pytest.approx(state.amplitude[1] / 0.2576, rel=1e-3)
 

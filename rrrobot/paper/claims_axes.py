@@ -66,7 +66,7 @@ def _legs_in_phase(shop: Workshop) -> Result:
 def _pitch_linear(shop: Workshop) -> Result:
     model, rows = PitchModel(shop.robot), list[Row]()
     for offset, amplitude in ((UP, 0.3), (SLANTED, 0.3), (LEVEL, 0.3), (UP, 0.6), (LEVEL, 0.6)):
-        motion = settled(model, both_legs(offset, amplitude=amplitude), cycles=28)
+        motion = settled(model, both_legs(offset, amplitude=amplitude), cycles=40)
         state, name = motion.steady_state(), f"offset {math.degrees(offset):.0f} deg, {amplitude}"
         gains = pitch_response(RRRobotParameters(), (offset, offset), FREQUENCY)
         linear = complex(amplitude * (gains[0] + 1j * gains[1]))
