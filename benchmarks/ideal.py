@@ -235,7 +235,7 @@ def main(folder: Path) -> str:
             when = parted(ours, theirs)
             rows.append(
                 f"| {case.name} | {found.peak_friction:.2f} | {name} | {way[0]:.1f} | {way[1]:.1f} "
-                f"| {turn[0]:.1f} | {turn[1]:.1f} | {apart:.1f} | "
+                f"| {turn[0]:z.1f} | {turn[1]:z.1f} | {apart:.1f} | "
                 f"{'never' if np.isinf(when) else f'{when:.2f}'} |"
             )
         tidy(ax, "x [mm]", "y [mm]")

@@ -45,8 +45,8 @@ PASSED = re.compile(
 """Code, formulas, targets of links, what a program writes into a page and a test compares whole;
 numbers of sections, equations and versions, and the pitch at which Euler angles end."""
 GIVEN = [
-    ("errata.md", r"generalised force (\u2212[\d.]+) θ̇", "eq (9)"),
-    ("errata.md", r"only adds ([\d.]+) φ̇", "eq (9)"),
+    ("errata.md", r"generalised force \$(-[\d.]+)", "eq (9)"),
+    ("errata.md", r"only adds \$([\d.]+)", "eq (9)"),
     ("theory/models.md", r"torques, by \$([\d.]+)", "eq (9)"),
     ("errata.md", r"Table 3, pivoting pitch \| ([\d.]+) s", "Table 3"),
     ("theory/models.md", r"The paper's ([\d.]+) s", "Table 3"),
@@ -204,7 +204,7 @@ LEVER = 0.057 * 0.1 * 0.12
          lambda: (turning() * CIRCULAR.period) ** 2 / 24),
         ("reduction.md", r"up, ([\d.]+) kg", lambda: yaw_inertia(np.pi / 2)),
         ("reduction.md", r"against ([\d.]+) with", lambda: yaw_inertia(0.0)),
-        ("reduction.md", r"where a = ([\d.]+)", lambda: LEVER / yaw_inertia(np.pi / 2)),
+        ("reduction.md", r"where \$a\$ is ([\d.]+)", lambda: LEVER / yaw_inertia(np.pi / 2)),
         ("reduction.md", r"and ([\d.]+) times as\s+high",
          lambda: yaw_inertia(0.0) / yaw_inertia(np.pi / 2)),
         ("reduction.md", r"formula gives ([\d.]+) rad", small_yaw),

@@ -9,7 +9,7 @@ import sys
 import time
 from html.parser import HTMLParser
 from pathlib import Path
-from urllib.parse import unquote, urlsplit
+from urllib.parse import quote_plus, unquote, urlsplit
 
 import click
 import pytest
@@ -28,7 +28,7 @@ NAMES = [str(p.relative_to(DOCS).with_suffix("")) for p in PAGES]
 sys.path.insert(0, str(DOCS / "_ext"))
 
 from mathml import to_mathml  # noqa: E402
-from page_code import FENCE, PageError, blocks_of, is_run, run_page  # noqa: E402
+from page_code import FENCE, PageError, blocks_of, is_kept, is_run, run_page  # noqa: E402
 
 needs_browser = pytest.mark.skipif(
     find_browser() is None and not os.environ.get("RRROBOT_REQUIRE_BROWSER"),
@@ -46,13 +46,13 @@ def site(tmp_path_factory):
     try:
         (shared / "site.lock").touch(exist_ok=False)
     except FileExistsError:
-        end = time.monotonic() + 300
+        end = time.monotonic() + 900
         while not said.exists() and time.monotonic() < end:
             time.sleep(0.2)
     else:
         command = [sys.executable, "-m", "sphinx", "-n", "-W", "--keep-going", "-q", "-E"]
         command += ["-b", "html", "-d", str(shared / "doctrees"), str(DOCS), str(out)]
-        build = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=280)
+        build = subprocess.run(command, cwd=ROOT, capture_output=True, text=True, timeout=880)
         draft = shared / "site.draft"
         draft.write_text("" if build.returncode == 0 else build.stdout + build.stderr)
         draft.rename(said)
@@ -192,6 +192,16 @@ def test_what_a_page_says_is_kept_until_its_code_changes(tmp_path):
     assert (tmp_path / "three" / "a.svg").exists()
 
 
+def test_pages_of_one_name_are_kept_side_by_side(tmp_path):
+    for folder in ("a", "b"):
+        (tmp_path / folder).mkdir()
+        (tmp_path / folder / "page.md").write_text(f"```python\nprint('{folder}')\n```\n")
+    pages = [tmp_path / folder / "page.md" for folder in ("a", "b")]
+    for page in pages:
+        run_page(page, tmp_path / "out", tmp_path / "kept")
+    assert all(is_kept(page, tmp_path / "kept") for page in pages)
+
+
 def test_formulas():
     assert "\U0001d42f" in to_mathml(r"\mathbf v", "inline")
     assert 'form="prefix"' in to_mathml("x = -y", "inline")
@@ -200,6 +210,8 @@ def test_formulas():
     assert to_mathml(r"\begin{aligned} a &= b \\ c &= d \end{aligned}", "block").count("mtr>") == 4
     with pytest.raises(Exception, match="not understood"):
         to_mathml(r"\begin{matrix} a", "inline")
+    with pytest.raises(Exception, match="unheard"):
+        to_mathml(r"\unheard x", "inline")
 
 
 @pytest.fixture(scope="module")
@@ -256,3 +268,27 @@ def test_formulas_are_drawn_in_their_font(phone, site):
     assert phone.run("document.querySelectorAll('math').length") > 50
     fraction = "getComputedStyle(document.querySelector('mfrac')).display"
     assert "math" in phone.run(fraction)
+
+
+@needs_browser
+@pytest.mark.parametrize(
+    ("query", "right"),
+    [
+        ("M, C, G at a state", "tutorials/first_hour"),
+        ("CSV and pandas", "reference/simulation"),
+        ("my own Pinocchio model", "reference/constraints"),
+        ("which command for which question", "tutorials/first_hour"),
+        ("limit cycle stability", "theory/limit_cycles"),
+        ("stuck robot", "tutorials/ten_lines"),
+        ("slip", "theory/rolling"),
+        ("export to MuJoCo", "reference/bellies"),
+        ("friction needed", "tutorials/torques_and_slopes"),
+        ("how accurate", "benchmarks"),
+    ],
+)
+def test_the_search_finds_what_people_type(phone, site, query, right):
+    phone.call("Page.navigate", url=f"{(site / 'search.html').as_uri()}?q={quote_plus(query)}")
+    phone.wait_for("document.querySelector('#search-results h2')?.innerText == 'Search Results'")
+    links = "[...document.querySelectorAll('#search-results li > a')].map(link => link.href)"
+    found = [urlsplit(url).path.removesuffix(".html") for url in phone.run(links)]
+    assert str(site / right) in found[:2], found[:5]

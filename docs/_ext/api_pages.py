@@ -182,10 +182,21 @@ def _plain_words(text: str) -> str:
 def _skip(
     app: Sphinx, what: str, name: str, obj: Any, skip: bool, options: Any
 ) -> bool | None:
-    """Leave out methods that have no text of their own: their base class describes them."""
+    """Leave out members that have no text of their own.
+
+    A base class describes these methods, and the docstring's attributes these fields of tuples.
+    """
     function = obj.fget if isinstance(obj, property) else obj
     inherited = inspect.isfunction(function) and function.__doc__ is None
-    return True if inherited else None
+    told = False
+    if (getattr(obj, "__doc__", "") or "").startswith("Alias for field number"):
+        data = app.env.temp_data
+        owner = getattr(
+            import_module(data["autodoc:module"]), data["autodoc:class"], None
+        )
+        attributes = (inspect.getdoc(owner) or "").partition("Attributes:")[2]
+        told = bool(re.search(rf"^    (\w+, )*{name}\b.*:", attributes, flags=re.M))
+    return True if inherited or told else None
 
 
 def _is_public(name: str) -> bool:

@@ -52,6 +52,11 @@ def to_mathml(latex: str, display: str) -> str:
         raise ExtensionError(
             f"the formula {latex!r} is not understood: {error!r}"
         ) from None
+    unknown = [e.text for e in tree.iter() if "\\" in (e.text or "")]
+    if unknown:
+        raise ExtensionError(
+            f"the formula {latex!r} is not understood: {unknown[0]}"
+        )
     _mend(tree)
     for element in tree.iter():
         _characters.update(element.text or "")

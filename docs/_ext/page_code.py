@@ -83,7 +83,7 @@ def run_page(path: Path, folder: Path, kept: Path | None = None) -> Ran:
         return _run(path.name, blocks, folder)
     home = _home(path, kept)
     if not (home / "ran.json").exists():
-        for old in kept.glob(f"{path.stem}-*"):
+        for old in kept.glob(f"{_name(path)}-*"):
             shutil.rmtree(old, ignore_errors=True)
         with tempfile.TemporaryDirectory() as fresh:
             ran = _run(path.name, blocks, Path(fresh))
@@ -107,7 +107,12 @@ def is_kept(path: Path, kept: Path | None) -> bool:
 
 def _home(path: Path, kept: Path) -> Path:
     said = json.dumps([*blocks_of(path.read_text()), _digest()])
-    return kept / f"{path.stem}-{hashlib.sha256(said.encode()).hexdigest()[:24]}"
+    return kept / f"{_name(path)}-{hashlib.sha256(said.encode()).hexdigest()[:24]}"
+
+
+def _name(path: Path) -> str:
+    """Of a page among others: pages of two folders may have one name."""
+    return f"{path.parent.name}-{path.stem}"
 
 
 def _run(page: str, blocks: list[Block], folder: Path) -> Ran:

@@ -1,7 +1,7 @@
 """Sphinx: runs the code of every page, and puts what it prints, draws and films into the page.
 
 After each block stands what it printed. `![caption](name)` alone on a line shows a picture (.png,
-.svg) or plays a film (.html) that a block of the page wrote. A block with `hide` after its language
+.svg) or plays a film (.html) that a block of the page wrote, or a picture of the folder. A block with `hide` after its language
 runs, and is not shown.
 """
 
@@ -21,7 +21,7 @@ from sphinx.errors import ExtensionError
 
 from rrrobot.view.page import meshcat_script
 
-_SHOW = re.compile(r"^!\[([^\]]*)\]\(([\w.-]+)\)$", flags=re.M)
+_SHOW = re.compile(r"^!\[([^\]]*)\]\(([\w./-]+)\)$", flags=re.M)
 
 
 def _run_all(app: Sphinx) -> None:
@@ -87,12 +87,10 @@ def _insert(app: Sphinx, name: str, source: list[str]) -> None:
     def show(match: re.Match[str]) -> str:
         caption, file = match[1], match[2]
         if file not in ran.files:
+            if (source_folder / file).exists():
+                return f"```{{figure}} {file}\n:alt: {caption}\n\n{caption}\n```\n"
             # The code that draws it was skipped: something optional is not installed.
-            return (
-                match[0]
-                if (source_folder / file).exists()
-                else f"*Not drawn here: {caption}.*"
-            )
+            return f"*Not drawn here: {caption}.*"
         shown.append(file)
         return _figure(caption, f"{up}_made/{name.replace('/', '-')}/{file}")
 

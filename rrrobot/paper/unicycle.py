@@ -95,7 +95,7 @@ def unicycle(trajectories: dict[str, Trajectory]) -> Figure:
         ax.set_aspect("equal", adjustable="datalim")
         tidy(ax, "x [cm]", "y [cm]")
         ax.set_title(
-            f"{name}: {1000 * found.error:.2f} mm off in {1000 * found.length:.0f} mm",
+            f"{name}: {1000 * found.error:.2f} mm off\nin {1000 * found.length:.0f} mm",
             fontsize=FONT, pad=30,
         )  # fmt: skip
         legend_above(ax, columns=1)
