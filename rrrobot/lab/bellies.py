@@ -108,11 +108,14 @@ def travelling(belly: Belly, knobs: Knobs) -> list[dict[str, Any]]:
     found = []
     for small in small_gaits(bench, posture, np.outer(omegas, _NEAR).ravel()):
         room = _SHARE * np.minimum(sides, ends.velocity / small.omega)
-        metric = cost(small, np.minimum(room, _LARGEST), belly.rolling_range.least)
+        room = np.clip(room, 1e-6, _LARGEST)
+        metric = cost(small, room, belly.rolling_range.least)
         x, y, turn = small.travel
         for form, aside in ((x, y), (-x, y), (y, x), (-y, x)):
             value, swing = straight(form, (aside, turn), metric)
-            found.append((value, small.omega, swing))
+            # The metric holds the joints' limits together; travel goes with the square.
+            over = max(1.0, float((np.abs(swing) / room).max()))
+            found.append((value / over**2, small.omega, swing / over))
     found.sort(key=lambda one: -one[0])
     return [
         {
