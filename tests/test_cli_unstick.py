@@ -66,6 +66,8 @@ def test_what_is_out_of_reach_is_told() -> None:
         (("rrrobot", "--joints", "leg_9"), "joint 'leg_9' is none of the robot's"),
         (("legged:six",), "write legged:N or legged:NxJ"),
         (("rrrobot", "--postures", "0"), "postures is 0"),
+        (("rrrobot", "--budget", "0"), "--budget is 0: it must be a whole number"),
+        (("rrrobot", "--floor", "0.3"), "--floor is 0.3 m: only a rock has one below it"),
         (("no_such_robot.urdf",), "no_such_robot.urdf"),
     ],
 )
@@ -87,7 +89,8 @@ def test_bad_input_is_one_line(args: tuple[str, ...], message: str) -> None:
          ("off:0: it tips over in roll", "above the centre of curvature", "Try another form=")),
         (('type="revolute"', 'type="planar"'), "level",
          ("joint 'left_hip' has 3 degrees of freedom", "revolute, continuous or prismatic")),
-        (("", ""), "bowl:0.15", ("the ground curves tighter than the shell", "wider ground")),
+        # Without a goal: in a bowl they are those of level ground.
+        (("", ""), "bowl:0.15", ("forward: the ground curves tighter", "turn left: ", "wider")),
     ],
 )  # fmt: skip
 def test_robots_that_cannot_are_told_why(
@@ -95,8 +98,8 @@ def test_robots_that_cannot_are_told_why(
 ) -> None:
     path = tmp_path / "board.urdf"
     path.write_text(board().replace(*change))
-    goal = "off:0" if ground.startswith("boulder") else "forward"
-    result = run(path, "--ground", ground, "--goal", goal, "--quiet")
+    goal = {"boulder:0.2": ("--goal", "off:0"), "level": ("--goal", "forward")}.get(ground, ())
+    result = run(path, "--ground", ground, *goal, "--quiet")
     assert result.exit_code == 1 and len(result.stderr.splitlines()) == 1
     for text in said:
         assert text in result.stderr, result.stderr

@@ -29,7 +29,7 @@ def posed(roll, place=(0.0, 0.0, 0.0), leg=()):
 def test_a_box_tips_to_the_side_that_its_diagonal_says(box, share, ends):
     """Above the edge's balance, tan(roll) = width / height, it goes over to its side."""
     roll = share * np.arctan2(WIDTH, HEIGHT)
-    (way,) = comes_to_lie(box, posed(roll), np.zeros(6), FLOOR, NO_LEGS, 9.81)
+    (way,) = comes_to_lie(box, posed(roll), np.zeros(6), FLOOR, [NO_LEGS], 9.81)
     assert way.tilt == pytest.approx(ends, abs=1e-7) and way.links == ("base",)
     # The edge on which it came down stays; the middle is half a side from it.
     edge = -WIDTH / 2 * np.cos(roll) + HEIGHT / 2 * np.sin(roll)
@@ -83,16 +83,16 @@ def test_the_nearest_place_of_a_hull():
 def test_where_turning_decides_both_ways_are_told(box):
     time = np.sqrt(2 * (-FLOOR - 0.1) / 9.81)
     rate = np.array((0.5 * np.pi / time, 0.0, 0.0))
-    ways = comes_to_lie(box, posed(0.0), np.append(np.zeros(3), rate), FLOOR, NO_LEGS, 9.81)
+    ways = comes_to_lie(box, posed(0.0), np.append(np.zeros(3), rate), FLOOR, [NO_LEGS], 9.81)
     assert [way.tilt for way in ways] == pytest.approx((np.pi / 2, 0.0), abs=1e-7)
     slow = np.append(np.zeros(3), 0.2 * rate)
-    assert len(comes_to_lie(box, posed(0.0), slow, FLOOR, NO_LEGS, 9.81)) == 1
+    assert len(comes_to_lie(box, posed(0.0), slow, FLOOR, [NO_LEGS], 9.81)) == 1
 
 
 def test_the_legs_go_to_their_posture_and_it_tips_on():
     """A crane that stands on its board, its arm far out at the side, falls over it."""
     shapes = crane_of(0.6).shapes
-    (way,) = comes_to_lie(shapes, posed(0.0, leg=(0.0,)), np.zeros(7), FLOOR, np.ones(1), 9.81)
+    (way,) = comes_to_lie(shapes, posed(0.0, leg=(0.0,)), np.zeros(7), FLOOR, [np.ones(1)], 9.81)
     assert way.first == ("base",) and way.links == ("arm", "base")
     # About its right edge.
     y, z = np.cos(way.tilt), np.sin(way.tilt)

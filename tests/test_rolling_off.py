@@ -2,21 +2,27 @@
 
 import json
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 import pinocchio as pin
 import pytest
 
 import rrrobot as rr
+from rrrobot.belly.clearance import clearances
+from rrrobot.belly.swings import leaning
 from rrrobot.escape.goals import goal_of
+from rrrobot.escape.landing import heights
 from rrrobot.escape.limits import EscapeLimits
 from rrrobot.escape.report import report_html
-from rrrobot.escape.rolling_off import roll_off
+from rrrobot.escape.rolling_off import _search, roll_off
 from rrrobot.escape.spaces import GROUPS
 from rrrobot.escape.story import _Work
 from rrrobot.escape.unstuck import Unstuck
 from rrrobot.escape.way_rows import off_rows
 from rrrobot.escape.ways import way_of
+from rrrobot.robot.joints import JointIndex
+from rrrobot.robot.legged import legged_urdf
 from tests.test_belly import BALL, HEIGHT, LENGTH, MASS, WIDTH, joint, link
 
 ARM, RADIUS = 2.0, 0.25
@@ -77,7 +83,7 @@ def test_a_robot_leans_over_the_edge_and_slides_off_to_that_side(crane):
 
 
 def test_what_does_not_go_off_says_why(crane):
-    assert "deg away from that side" in off(crane, "off:0").reason
+    assert "0 mm to that side" in off(crane, "off:0").reason
     with pytest.raises(rr.ParameterError, match=r"floor is -0\.1 m"):
         off(crane, "off:90", floor=-0.1)
     level = rr.fit_belly(crane.robot, posture=(0.0,))
@@ -96,6 +102,53 @@ def test_the_rock_holds_a_robot_whose_legs_reach_less_far():
     lever = way.shift * np.cos(tilt) + height * np.sin(tilt)
     place = RADIUS * tilt
     assert lever == pytest.approx(place * np.cos(tilt), abs=1e-3)
+
+
+def test_a_belly_that_rocks_to_its_edge_and_back_does_not_tip_into_itself():
+    """About its edge it may only turn outward: inward the flat face is in the way."""
+    belly, rough = crane_of(0.12), EscapeLimits(friction=2.0)
+    ends = rough.ends(belly.robot)._replace(velocity=np.array((3.0,)))
+    way = roll_off(belly, goal_of("off:90"), rough, ends, damping=0.3, floor=1.0)
+    assert way.ended == "back" and not way.met and "to its edge and back" in way.reason
+    run = way.trajectory
+    assert 0 < way.over < way.duration
+    found = clearances(belly.shapes, run.configuration, belly.ground)
+    # The edge of the model is inside the box's by up to its radius.
+    assert found.ground[:, found.links.index("base")].min() > -2e-3
+
+
+@pytest.fixture(scope="module")
+def quadruped():
+    return rr.fit_belly(legged_urdf(4), ground=rr.Boulder(0.3), floor=0.3)
+
+
+@pytest.mark.parametrize("azimuth", [0.0, np.pi / 2])
+def test_legs_lean_on_ways_that_touch_nothing(quadruped, azimuth):
+    """Capsules and postures in between choose the way; Coal judges the links' own shapes."""
+    belly, side = quadruped, np.array((np.cos(azimuth), np.sin(azimuth)))
+    passed = leaning(_search(belly, azimuth, 0.3), belly.posture, side)
+    model, index = belly.robot.model, JointIndex(belly.robot.model, belly.robot.legs)
+    way = np.vstack([a + np.linspace(0, 1, 25)[:, None] * (b - a) for a, b in pairwise(passed)])
+    rest = belly.model()
+    q = np.tile(rest.configuration(rest.make_pose(belly.rest, np.zeros(2)), way[0]), (len(way), 1))
+    for row, angle in zip(q, way, strict=True):
+        index.write(row, angle)
+    found = clearances(belly.shapes, q, belly.ground)
+    limbs = [i for i, name in enumerate(found.links) if name not in {"body", *belly.covered}]
+    assert found.ground[:, limbs].min() > 0 and found.between.min() > 0.001
+    assert min(heights(belly, row).min() for row in q) > -0.3
+    centers = np.array([pin.centerOfMass(model, model.createData(), row)[:2] for row in q]) @ side
+    assert centers[-1] - centers[0] > 0.01 and centers.min() > centers[0] - 0.005
+
+
+def test_limbs_of_a_posture_on_a_rock_keep_off_the_floor():
+    def lowest(floor):
+        belly = rr.fit_belly(legged_urdf(2), ground=rr.Boulder(0.3), floor=floor)
+        model = belly.model()
+        pose = model.make_pose(belly.rest, np.zeros(2))
+        return heights(belly, model.configuration(pose, belly.posture)).min()
+
+    assert lowest(None) < -0.1 and lowest(0.09) > -0.09
 
 
 def test_the_story_goes_on_until_it_lies_on_the_floor(tmp_path):
@@ -126,12 +179,42 @@ def test_the_story_goes_on_until_it_lies_on_the_floor(tmp_path):
     assert told().off["off:90"].to_dict() == way.to_dict()
 
 
-@pytest.mark.filterwarnings("ignore::rrrobot.UrdfWarning")
 def test_a_foot_that_reaches_the_floor_first_is_no_way_off():
-    belly = rr.fit_belly("anymal", ground=rr.Boulder(0.2))
-    way = off(belly, "off:90", floor=0.45)
-    assert way.ended == "floor" and way.link.endswith("FOOT") and not way.met
-    assert "FOOT reaches the floor while the belly still lies on the rock" in way.reason
+    belly = rr.fit_belly(legged_urdf(2), ground=rr.Boulder(0.3))
+    way = off(belly, "off:90", floor=0.112)
+    assert way.ended == "floor" and way.link.endswith("shank") and not way.met
+    assert f"{way.link} reaches the floor while the belly still lies on the rock" in way.reason
+
+
+@pytest.mark.slow
+@pytest.mark.filterwarnings("ignore::rrrobot.UrdfWarning")
+def test_a_real_robot_goes_from_its_rock_to_a_gait_on_the_floor():
+    """ANYmal slides off, tips onto its thighs, and its legs let it down on its belly."""
+    found = rr.unstick("anymal", ground=rr.Boulder(0.4), goals=["off:90"], budget=600, postures=1)
+    way = found.off["off:90"]
+    assert found.met and way.ended == "slide" and len(way.lying) == 1
+    (lying,) = way.lying
+    assert lying.links == ("base",) and lying.tilt < 1e-3 and "base" not in lying.first
+    assert len(lying.postures) == 3 and way.stays == ""
+    gait = way.after
+    assert gait.met and gait.value > 0.05
+    assert way.path[-1][-1, 1] > 0.5
+    assert "by way of 2" in off_rows(way)["assumed of that"]
+    # What the page about it says.
+    assert round(way.over, 1) == 0.2 and round(way.duration - way.over, 1) == 0.1
+    assert round(way.landing.room, 2) == 0.27 and round(way.shift, 3) == 0.031
+    assert lying.first == ("LF_THIGH", "LH_THIGH", "RF_THIGH", "RH_THIGH")
+    assert round(found.belly.shell.half_width, 3) == 0.049 and round(found.belly.height, 1) == 0.1
+
+
+@pytest.mark.slow
+def test_solo_s_legs_are_too_light_to_take_it_off_a_rock():
+    """What the same page says of it."""
+    belly = rr.fit_belly("solo12", ground=rr.Boulder(0.4), floor=0.4)
+    work = _Work(belly, EscapeLimits(), None, GROUPS, None, 0.1, 1)
+    way = work.off(goal_of("off:90"), None)
+    assert not way.met and way.ended == "back" and round(way.shift, 3) == 0.036
+    assert round(belly.shell.half_width, 3) == 0.047 and round(belly.height, 3) == 0.008
 
 
 @pytest.mark.slow

@@ -12,24 +12,23 @@ from numpy.typing import ArrayLike
 
 from rrrobot.belly.fitting import FORMS, Fit, ball_of, cone, fit_form
 from rrrobot.belly.found import Belly
-from rrrobot.belly.placed import Gauge, placed, touches
+from rrrobot.belly.placed import Gauge, floors, placed, touches, with_shell
 from rrrobot.belly.posture import Posture, find_posture, judged
 from rrrobot.belly.ranges import AZIMUTHS, RollingRange, flat_end, rolling_range, round_end
 from rrrobot.belly.rests import Rest, rest_of, standing
 from rrrobot.belly.shapes import Shapes
 from rrrobot.belly.underside import Underside, flat_face, rectangle, underside
 from rrrobot.checks import Array, finite, vector
-from rrrobot.contact.boulder import Boulder
+from rrrobot.contact.boulder import Boulder, depth_of_floor, is_rock
 from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.shells import FlatBelly
-from rrrobot.contact.surfaces import Sphere, Surface
+from rrrobot.contact.surfaces import Sphere
 from rrrobot.contact.touching import check_pair
 from rrrobot.errors import ParameterError, ShellError, UrdfWarning
 from rrrobot.models.full import FullModel
 from rrrobot.robot.examples import example_robots
 from rrrobot.robot.joints import JointIndex
 from rrrobot.robot.robot import Robot
-from rrrobot.rotations import euler_from_rotation
 
 _ROUND = 0.02
 """Largest gap over the base's width up to which a belly is round by itself."""
@@ -41,6 +40,8 @@ _FITS = 3
 """At most, after the first: each changes the posture, and that what is to be held."""
 _ROOM = 0.06
 """Clearance that is wanted of a posture, over the base's width."""
+_AROUND = np.append(0.0, np.tile(2 * np.pi * np.arange(12) / 12, 3))
+"""Azimuths of the contacts over which limbs are to be clear; the first is straight down."""
 
 
 def fit_belly(
@@ -51,6 +52,7 @@ def fit_belly(
     posture: ArrayLike | None = None,
     tilt: float = float(np.deg2rad(15.0)),
     geometry: str = "collision",
+    floor: float | None = None,
 ) -> Belly:
     """Find the belly of a robot: the shell around its underside, how it rests, how far it rolls.
 
@@ -69,6 +71,8 @@ def fit_belly(
         tilt: angle by which the belly shall roll to each side [rad]; the dome of a flat belly
             grows with it.
         geometry: which shapes of the URDF count, "collision" or "visual".
+        floor: how far the top of a boulder is above the floor, which the limbs of a posture that
+            is searched for do not reach; no floor unless given [m].
 
     Raises:
         ShellError: the base has no shape; a flat belly on ground that is no boulder, or without a
@@ -90,6 +94,7 @@ def fit_belly(
     if tilt > np.pi / 3:
         raise ParameterError(f"tilt is {tilt!r} rad: a belly is fitted for at most 60 degrees.")
     robot, ground = _robot_of(robot), Plane() if ground is None else ground
+    floor = None if floor is None else depth_of_floor(ground, floor)
     shapes = Shapes.of(robot, geometry)
     if shapes.missing:
         warnings.warn(
@@ -98,7 +103,7 @@ def fit_belly(
             UrdfWarning,
             stacklevel=2,
         )
-    work = _Work(robot, ground, shapes, tilt)
+    work = _Work(robot, ground, shapes, tilt, floor)
     if posture is None:
         angle, begin = None, np.clip(np.zeros(robot.n_legs), robot.joints.lower, robot.joints.upper)
     else:
@@ -138,8 +143,11 @@ def _robot_of(robot: Robot | str | Path) -> Robot:
 class _Work:
     """The steps of a fit, on one robot."""
 
-    def __init__(self, robot: Robot, ground: Ground, shapes: Shapes, tilt: float) -> None:
+    def __init__(
+        self, robot: Robot, ground: Ground, shapes: Shapes, tilt: float, floor: float | None
+    ) -> None:
         self.robot, self.ground, self.shapes, self.tilt = robot, ground, shapes, tilt
+        self.floor = floor
         self.cone = cone(tilt)
 
     def leans(self, belly: Belly) -> bool:
@@ -159,7 +167,7 @@ class _Work:
         self, below: Underside, form: str, leg_angle: Array, middle: Array | None
     ) -> tuple[str, Fit]:
         """Kind and shell, its centre over a place (x, y) if one is given."""
-        on_boulder = isinstance(self.ground, Boulder) and self.ground.radius > 0
+        on_boulder = is_rock(self.ground)
         if form == "flat":
             check_pair(FlatBelly(), self.ground)
             return "flat", self._flat(below, leg_angle)
@@ -204,9 +212,8 @@ class _Work:
 
     def _touches(self, fit: Fit) -> Any:
         """Contacts over which limbs are to be clear."""
-        azimuth = np.tile(2 * np.pi * np.arange(12) / 12, 3)
         tilt = np.append(0.0, np.repeat(self.tilt * np.array((1 / 3, 2 / 3, 1.0)), 12))
-        azimuth = np.append(0.0, azimuth)
+        azimuth = _AROUND
         if isinstance(fit.shell, FlatBelly) and isinstance(self.ground, Boulder):
             tilt = np.minimum(tilt, flat_end(fit.shell, self.ground, azimuth))
         return touches(fit.shell, fit.center, self.ground, tilt, azimuth)
@@ -221,8 +228,9 @@ class _Work:
             face = flat_face(below.base)
             assert face is not None
             middle = face.corners.mean(axis=0)
-        room = _ROOM * below.width
-        return find_posture(self.shapes, self._touches(fit), middle, room, covered)
+        room, at = _ROOM * below.width, self._touches(fit)
+        floor = None if self.floor is None else floors(at, self.floor, _AROUND)
+        return find_posture(self.shapes, at, middle, room, covered, floor)
 
     def given(self, fitted: tuple[str, Fit], leg_angle: Array) -> Posture:
         """What a posture of the user's has."""
@@ -329,20 +337,3 @@ class _Work:
                 text += " in the best posture found within the joint limits"
             said.append(text)
         return "; ".join(said)
-
-
-def with_shell(robot: Robot, shell: Surface, center: Array) -> Robot:
-    """The robot with a shell whose frame has the base's axes and stands at `center` in it [m]."""
-    link = robot.model.frames[robot.model.getFrameId(robot.shell_link, pin.FrameType.BODY)]
-    place = link.placement.inverse() * pin.SE3(np.eye(3), center)
-    return Robot(
-        urdf=robot.urdf,
-        shell=shell,
-        legs=robot.legs,
-        shell_link=robot.shell_link,
-        shell_center=np.array(place.translation),
-        shell_rpy=np.array(euler_from_rotation(place.rotation)),
-        locked=robot.locked,
-        parameters=robot.parameters,
-        package_dirs=robot.package_dirs,
-    )

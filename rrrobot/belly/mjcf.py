@@ -23,7 +23,7 @@ import pinocchio as pin
 
 from rrrobot.belly.shapes import Piece, Shapes
 from rrrobot.checks import Array, finite
-from rrrobot.contact.boulder import Boulder
+from rrrobot.contact.boulder import is_rock
 from rrrobot.contact.convexity import sphere_directions
 from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.shells import FlatBelly
@@ -109,7 +109,7 @@ def _add_ground(world: Element, ground: Ground) -> None:
     if isinstance(ground, Plane):
         turn = pin.Quaternion.FromTwoVectors(np.array((0.0, 0, 1)), ground.normal_vector)
         SubElement(world, "geom", masks, type="plane", size="20 20 0.1", quat=_quaternion(turn))
-    elif isinstance(ground, Boulder) and ground.radius > 0:
+    elif is_rock(ground):
         SubElement(world, "geom", masks, type="sphere", size=_text((ground.radius,)),
                    pos=_text((0, 0, -ground.radius)))  # fmt: skip
     else:

@@ -26,6 +26,7 @@ from rrrobot.contact.shells import FlatBelly
 from rrrobot.contact.surfaces import Surface
 from rrrobot.robot.joints import JointIndex
 from rrrobot.robot.robot import Robot
+from rrrobot.rotations import euler_from_rotation
 
 
 class Touches(NamedTuple):
@@ -39,6 +40,15 @@ class Touches(NamedTuple):
     """k of the ground [1/m]"""
 
 
+class Floors(NamedTuple):
+    """The floor below a rock as it is in the base's frame, for each of some touches."""
+
+    up: Array
+    """the world's vertical (n, 3)"""
+    height: Array
+    """of the floor along it (n,) [m]"""
+
+
 def placed(robot: Robot, pieces: Sequence[Piece], leg_angle: Array) -> list[Piece]:
     """The pieces with their points in the base's frame, the legs at some angles (legs,)."""
     model, data, q = robot.model, robot.model.createData(), pin.neutral(robot.model)
@@ -50,6 +60,23 @@ def placed(robot: Robot, pieces: Sequence[Piece], leg_angle: Array) -> list[Piec
         at = base * data.oMi[piece.joint]
         out.append(piece._replace(points=piece.points @ at.rotation.T + at.translation))
     return out
+
+
+def with_shell(robot: Robot, shell: Surface, center: Array) -> Robot:
+    """The robot with a shell whose frame has the base's axes and stands at `center` in it [m]."""
+    link = robot.model.frames[robot.model.getFrameId(robot.shell_link, pin.FrameType.BODY)]
+    place = link.placement.inverse() * pin.SE3(np.eye(3), center)
+    return Robot(
+        urdf=robot.urdf,
+        shell=shell,
+        legs=robot.legs,
+        shell_link=robot.shell_link,
+        shell_center=np.array(place.translation),
+        shell_rpy=np.array(euler_from_rotation(place.rotation)),
+        locked=robot.locked,
+        parameters=robot.parameters,
+        package_dirs=robot.package_dirs,
+    )
 
 
 def curvature_of(ground: Ground) -> float:
@@ -74,6 +101,26 @@ def touches(shell: Surface, center: Array, ground: Ground, tilt: Array, azimuth:
         return Touches(center + place, np.tile((0.0, 0.0, -1.0), (len(tilt), 1)), k)
     normal = np.column_stack((across * np.sin(tilt)[:, None], -np.cos(tilt)))
     return Touches(center + np.array([shell.contact(u) for u in normal]), normal, k)
+
+
+def floors(at: Touches, depth: float, azimuth: Array) -> Floors:
+    """The floor that is `depth` below the top of a boulder [m].
+
+    Rolling to where it touches, by an arc s of the boulder, the base leans by s / R and by the
+    angle of the normal there from straight down; the arc is taken as long as its chord.
+
+    Args:
+        at: touches on a boulder; the first is that at rest, straight below.
+        depth: of the floor below the boulder's top [m].
+        azimuth: to which it leans at each (n,) [rad].
+    """
+    radius = 1.0 / at.curvature
+    lean = np.arccos(np.clip(-at.normal[:, 2], -1.0, 1.0))
+    lean = lean + np.linalg.norm(at.point - at.point[0], axis=1) / radius
+    across = -np.sin(lean)[:, None] * np.column_stack((np.cos(azimuth), np.sin(azimuth)))
+    up = np.column_stack((across, np.cos(lean)))
+    center = at.point + radius * at.normal
+    return Floors(up, np.sum(up * center, axis=1) + radius - depth)
 
 
 class Gauge:

@@ -7,13 +7,14 @@ and Coal the distances of the best.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from rrrobot.belly.distances import leg_ranges
-from rrrobot.belly.placed import Touches
+from rrrobot.belly.placed import Floors, Touches
 from rrrobot.belly.shapes import Shapes
 from rrrobot.checks import Array
 from rrrobot.robot.chains import SYMMETRIES, leg_chains, symmetry_of
@@ -30,8 +31,6 @@ _ASIDE = 0.5
 """What a metre of the centre of mass to the side costs, in metres of its height."""
 _SHORT = 30.0
 """What a metre of clearance that is missing costs, likewise."""
-_FAR = 10.0
-"""Place to the side that is as good as infinitely far [m]."""
 _INSIDE = 0.04
 """Part of a joint's range that is kept to its ends."""
 
@@ -49,7 +48,12 @@ class Posture(NamedTuple):
 
 
 def find_posture(
-    shapes: Shapes, at: Touches, middle: Array, room: float, covered: frozenset[str]
+    shapes: Shapes,
+    at: Touches,
+    middle: Array,
+    room: float,
+    covered: frozenset[str],
+    floor: Floors | None = None,
 ) -> Posture:
     """The posture of the lowest centre of mass with its limbs `room` clear of the ground.
 
@@ -59,8 +63,9 @@ def find_posture(
         middle: (x, y) above which the centre of mass is wanted [m].
         room: clearance wanted [m].
         covered: links that the shell holds, which need none.
+        floor: of which limbs are to be clear, too.
     """
-    search = _Search(shapes, at, middle, room, covered)
+    search = Search(shapes, at, middle, room, covered, floor)
     angle = search.start()
     groups = search.groups()
     for _ in range(_ROUNDS if len(groups) > 1 else 1):
@@ -71,30 +76,29 @@ def find_posture(
 
 def judged(shapes: Shapes, at: Touches, leg_angle: Array) -> Posture:
     """What a given posture has; see `find_posture`."""
-    search = _Search(shapes, at, np.zeros(2), 0.0, frozenset())
+    search = Search(shapes, at, np.zeros(2), 0.0, frozenset())
     return Posture(leg_angle, search.separation(leg_angle))
 
 
-def reaching_posture(
-    shapes: Shapes, at: Touches, start: Array, side: Array, room: float, covered: frozenset[str]
-) -> Array:
-    """The posture (legs,) whose centre of mass is farthest to a side (2,); see `find_posture`.
+class Search:
+    """Postures of a robot, limb by limb: what they lack in clearance, and where the mass is.
 
-    Limbs do not mirror each other; each is moved from `start` (legs,) by itself.
+    See `find_posture`. `height` is what a metre of the centre of mass's height costs.
     """
-    search = _Search(shapes, at, _FAR * side, room, covered)
-    search.symmetries = []
-    angle = np.array(start, dtype=float)
-    for group in search.groups():
-        angle = search.improved(angle, group)
-    return angle
 
+    height = 1.0
 
-class _Search:
     def __init__(
-        self, shapes: Shapes, at: Touches, middle: Array, room: float, covered: frozenset[str]
+        self,
+        shapes: Shapes,
+        at: Touches,
+        middle: Array,
+        room: float,
+        covered: frozenset[str],
+        floor: Floors | None = None,
+        kinds: Sequence[str] = tuple(SYMMETRIES),
     ) -> None:
-        robot = shapes.robot
+        robot, self.floor = shapes.robot, floor
         self.robot, self.at, self.middle, self.room = robot, at, middle, room
         self.model, self.data = robot.model, robot.model.createData()
         self.index, self.q = JointIndex(robot.model, robot.legs), pin.neutral(robot.model)
@@ -107,7 +111,7 @@ class _Search:
         ]
         self.geometry = shapes.geometry
         self.apart = self.geometry.createData()
-        self.symmetries = [s for kind in SYMMETRIES if (s := symmetry_of(robot, kind)) is not None]
+        self.symmetries = [s for kind in kinds if (s := symmetry_of(robot, kind)) is not None]
 
     def start(self) -> Array:
         """The posture nearest to zero within the limits."""
@@ -122,39 +126,44 @@ class _Search:
             if seen & set(limb):
                 continue
             found.append(limb)
-            seen |= set(limb)
-            for symmetry in self.symmetries:
-                seen |= {int(k) for k in np.flatnonzero(np.isin(symmetry.source, limb))}
+            seen |= self.moved(limb)
         return found
 
     def improved(self, angle: Array, limb: tuple[int, ...]) -> Array:
         """The best posture of a limb and its images, the others as they are."""
+        return self._first_apart(self.candidates(angle, limb)[0], limb)
+
+    def candidates(self, angle: Array, limb: tuple[int, ...]) -> tuple[Array, Array]:
+        """Postures (n, legs) of a limb and its images, the best first, and what each costs (n,)."""
         from scipy.stats import qmc
 
         legs = list(limb)
         unit = qmc.Sobol(len(legs), rng=np.random.default_rng(0)).random_base2(_POINTS)
         edge = _INSIDE * (self.high - self.low)
         low, high = (self.low + edge)[legs], (self.high - edge)[legs]
-        moved = set(legs)
-        for symmetry in self.symmetries:
-            moved |= {int(k) for k in np.flatnonzero(np.isin(symmetry.source, legs))}
-        mine = self._capsules_of(moved)
+        mine = self.capsules_of(self.moved(limb))
         trials = np.tile(angle, (len(unit) + 1, 1))
         trials[1:, legs] = low + unit * (high - low)
-        trials = self._mirrored(trials, limb)
-        cost = self._costs(trials, mine)
+        trials = self.mirrored(trials, limb)
+        cost = self.costs(trials, mine)
         spread = np.random.default_rng(1).normal(0, 0.03, (2, 256, len(legs))) * (high - low)
         for part in spread:
             # Finer about the best.
             more = np.repeat(trials[np.argsort(cost, kind="stable")[:8]], 32, axis=0)
             more[:, legs] = np.clip(more[:, legs] + part, low, high)
-            more = self._mirrored(more, limb)
-            trials, cost = np.vstack((trials, more)), np.append(cost, self._costs(more, mine))
-        return self._first_apart(trials[np.argsort(cost, kind="stable")], legs)
+            more = self.mirrored(more, limb)
+            trials, cost = np.vstack((trials, more)), np.append(cost, self.costs(more, mine))
+        order = np.argsort(cost, kind="stable")
+        return trials[order], cost[order]
 
-    def _first_apart(self, trials: Array, legs: list[int]) -> Array:
+    def unlike(self, trials: Array, limb: tuple[int, ...]) -> list[int]:
+        """The first of postures (n, legs) that differ in a limb by enough to be worth a try."""
+        legs = list(limb)
+        return _spread(trials[:, legs], 0.06 * (self.high - self.low)[legs])
+
+    def _first_apart(self, trials: Array, limb: tuple[int, ...]) -> Array:
         """The first of some postures in which nothing touches; if all do, that of the least."""
-        tried = trials[_spread(trials[:, legs], 0.06 * (self.high - self.low)[legs])]
+        tried = trials[self.unlike(trials, limb)]
         for request in self.apart.collisionRequests:
             request.security_margin = _APART
         for angle in tried:
@@ -165,13 +174,19 @@ class _Search:
                 return np.asarray(angle)
         return np.asarray(max(tried[:_MOST], key=self.separation))
 
-    def _mirrored(self, trials: Array, limb: tuple[int, ...]) -> Array:
+    def moved(self, limb: tuple[int, ...]) -> set[int]:
+        """The legs of a limb and of those that mirror it."""
+        images = [np.flatnonzero(np.isin(one.source, limb)) for one in self.symmetries]
+        return set(limb) | {int(k) for image in images for k in image}
+
+    def mirrored(self, trials: Array, limb: tuple[int, ...]) -> Array:
+        """Postures (n, legs) with the images of a limb as the limb has it."""
         for symmetry in self.symmetries:
             here = np.isin(symmetry.source, limb) & ~np.isin(np.arange(len(symmetry.source)), limb)
             trials[:, here] = symmetry.image(trials)[:, here]
         return trials
 
-    def _capsules_of(self, legs: set[int]) -> list[Capsule]:
+    def capsules_of(self, legs: set[int]) -> list[Capsule]:
         """Those that some legs move."""
         joints = set()
         for joint in range(2, self.model.njoints):
@@ -182,8 +197,17 @@ class _Search:
                 above = self.model.parents[above]
         return [capsule for capsule in self.capsules if capsule[0] in joints]
 
-    def _costs(self, trials: Array, capsules: list[Capsule]) -> Array:
+    def costs(self, trials: Array, capsules: list[Capsule]) -> Array:
         """Height of the centre of mass, its place to the side, what is not clear (n,) [m]."""
+        centers, gaps = self.gaps(trials, capsules)
+        aside = np.linalg.norm(centers[:, :2] - self.middle, axis=1)
+        # Of each: what a housing lacks, no posture changes.
+        short = np.maximum(0.0, self.room - gaps.min(axis=2)).sum(axis=1)
+        out = np.maximum(0, self.low - trials) + np.maximum(0, trials - self.high)
+        return self.height * centers[:, 2] + _ASIDE * aside + _SHORT * short + out.sum(axis=1)
+
+    def gaps(self, trials: Array, capsules: list[Capsule]) -> tuple[Array, Array]:
+        """Centres of mass (n, 3), distances from ground and floor (n, capsules, touches) [m]."""
         centers = np.empty((len(trials), 3))
         ends = np.empty((len(trials), 2 * len(capsules), 3))
         for i, angle in enumerate(trials):
@@ -193,25 +217,23 @@ class _Search:
                 place = self.data.oMi[joint]
                 ends[i, 2 * k] = place.act(a)
                 ends[i, 2 * k + 1] = place.act(b)
-        aside = np.linalg.norm(centers[:, :2] - self.middle, axis=1)
-        # Of each: what a housing lacks, no posture changes.
-        short = np.maximum(0.0, self.room - self._gaps(ends, capsules)).sum(axis=1)
-        out = np.maximum(0, self.low - trials) + np.maximum(0, trials - self.high)
-        return centers[:, 2] + _ASIDE * aside + _SHORT * short + out.sum(axis=1)
+        return centers, self._gaps(ends, capsules)
 
     def _gaps(self, ends: Array, capsules: list[Capsule]) -> Array:
-        """Least distance of capsules from the ground (n, capsules) [m], by their ends."""
-        at, least = self.at, np.full((len(ends), len(capsules)), np.inf)
+        """Distance of capsules from ground and floor (n, capsules, touches) [m], by their ends."""
+        at, found = self.at, []
         radius = np.array([r for *_, r in capsules])
-        for point, normal in zip(at.point, at.normal, strict=True):
+        for k, (point, normal) in enumerate(zip(at.point, at.normal, strict=True)):
             d = ends - point
             along = d @ normal
             gap = -along
             if at.curvature:
                 excess = at.curvature * np.sum(d * d, axis=2) - 2 * along
                 gap = excess / (1 + np.sqrt(np.maximum(1 + at.curvature * excess, 0.0)))
-            least = np.minimum(least, np.minimum(gap[:, ::2], gap[:, 1::2]) - radius)
-        return least
+            if self.floor is not None:
+                gap = np.minimum(gap, ends @ self.floor.up[k] - self.floor.height[k])
+            found.append(np.minimum(gap[:, ::2], gap[:, 1::2]) - radius)
+        return np.stack(found, axis=2)
 
     def separation(self, angle: Array) -> float:
         """Least distance of two links that count [m]."""

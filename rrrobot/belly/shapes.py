@@ -180,7 +180,8 @@ def _meshes(shapes: Sequence[Element], folders: Sequence[str]) -> tuple[dict[str
     found = {}
     for key, read in zip(wanted, read_meshes(list(wanted.values())), strict=True):
         if isinstance(read, MeshError):
-            missing[key] = f"{short(key.partition(' ')[2])} cannot be read ({read})"
+            why = " ".join(str(read).split())
+            missing[key] = f"{short(key.partition(' ')[2])} cannot be read ({why})"
         else:
             found[key] = read
     return found, list(missing.values())

@@ -11,6 +11,7 @@ from rrrobot.cli.compile import tell_of_compiling
 from rrrobot.cli.options.robot import GROUNDS, GroundChoice, GroundType
 from rrrobot.cli.report import tell
 from rrrobot.cli.types import NUMBER, names
+from rrrobot.contact.boulder import depth_of_floor
 from rrrobot.errors import ParameterError
 from rrrobot.inline import aligned
 from rrrobot.robot.legged import legged_urdf
@@ -116,7 +117,8 @@ def unstick_command(
     given: dict[str, Any] = {"friction": friction, "clearance": clearance}
     limits = EscapeLimits(**{key: value for key, value in given.items() if value is not None})
     place = GROUNDS[ground.kind].make(ground.numbers, None)
-    fit: dict[str, Any] = {"form": form, "ground": place}
+    floor = depth_of_floor(place, floor)
+    fit: dict[str, Any] = {"form": form, "ground": place, "floor": floor}
     if tilt is not None:
         fit["tilt"] = tilt
     tell_of_compiling(quiet=quiet, loads=True)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import sqrt
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 
@@ -85,3 +85,21 @@ class Boulder(Ground):
 
     def to_dict(self) -> dict[str, Any]:
         return {"type": "boulder", "radius": self.radius, "gravity": self.gravity}
+
+
+def is_rock(ground: Ground) -> TypeGuard[Boulder]:
+    """Whether a ground is a boulder with a top, and no bowl."""
+    return isinstance(ground, Boulder) and ground.radius > 0
+
+
+def depth_of_floor(ground: Ground, floor: float | None) -> float | None:
+    """How far the top of a rock is above the floor [m]: its radius unless given; None of no rock.
+
+    Raises:
+        ParameterError: a floor below ground that is no rock, or one that is not below its top.
+    """
+    if is_rock(ground):
+        return finite("floor", ground.radius if floor is None else floor, "m", above=0)
+    if floor is not None:
+        raise ParameterError(f"floor is {floor!r} m: only a rock has one below it, not {ground!r}.")
+    return None

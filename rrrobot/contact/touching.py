@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from rrrobot.checks import Array
-from rrrobot.contact.boulder import Boulder
+from rrrobot.contact.boulder import is_rock
 from rrrobot.contact.ground import Ground
 from rrrobot.contact.kinematics import contact_velocity
 from rrrobot.contact.shells import FlatBelly
@@ -43,7 +43,7 @@ def check_pair(surface: Surface, ground: Ground) -> None:
     """Raise ShellError where a shell cannot roll on a ground whatever its attitude."""
     if not isinstance(surface, FlatBelly):
         return
-    if not (isinstance(ground, Boulder) and ground.radius > 0):
+    if not is_rock(ground):
         raise ShellError(
             f"a flat belly touches {ground!r} all over, or at its edge: it rolls on a Boulder of "
             "positive radius only. Put it on one, or give the belly a round shell."

@@ -6,7 +6,7 @@ Nobody knows the blows of a fall. What is assumed in their place:
   rock were no longer there;
 - the first blow takes all of its energy, and the floor lets nothing slip: from then on it tips
   slowly about what it stands on, downhill, until its centre of mass is over that;
-- then the legs go to another posture, slowly, and it tips on if it must.
+- then the legs go to other postures, slowly, one after the other, and it tips on if it must.
 
 Whether it turns on as it falls often decides what is below, so the fall without turning is looked
 at too: where both end on the same links and the same way up, the assumptions matter less.
@@ -18,7 +18,7 @@ by s and above the floor by z, after the angle atan2(z, s).
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -55,7 +55,9 @@ class Lying(NamedTuple):
     first: tuple[str, ...]
     """links that it lies on with the legs as they came"""
     links: tuple[str, ...]
-    """and with the legs in the posture that they then go to"""
+    """and with the legs in the last of the postures that they then go to"""
+    postures: tuple[tuple[float, ...], ...]
+    """these, one after the other [rad]"""
     path: tuple[tuple[float, float], ...]
     """of the base's origin, ahead and left, from where the rock let it go [m]"""
 
@@ -63,8 +65,9 @@ class Lying(NamedTuple):
 def lying_of(entry: Mapping[str, Any]) -> Lying:
     """What `_asdict` told."""
     path = tuple((float(x), float(y)) for x, y in entry["path"])
-    names = {key: tuple(entry[key]) for key in ("first", "links")}
-    return Lying(**{**entry, **names, "path": path})
+    names: dict[str, Any] = {key: tuple(entry[key]) for key in ("first", "links")}
+    postures = tuple(tuple(map(float, one)) for one in entry["postures"])
+    return Lying(**{**entry, **names, "path": path, "postures": postures})
 
 
 class Body(NamedTuple):
@@ -99,7 +102,7 @@ class Pose(NamedTuple):
 
 
 def comes_to_lie(
-    shapes: Shapes, q: Array, v: Array, floor: float, posture: Array, gravity: float
+    shapes: Shapes, q: Array, v: Array, floor: float, postures: Sequence[Array], gravity: float
 ) -> tuple[Lying, ...]:
     """How a robot comes to lie on a level floor: one way, or two if its turning decides.
 
@@ -107,7 +110,7 @@ def comes_to_lie(
         shapes: of the robot.
         q, v: Pinocchio's configuration and velocity as the rock lets it go; the fall begins there.
         floor: height of the floor (z) [m].
-        posture: that the legs go to when it lies (legs,) [rad].
+        postures: that the legs go to when it lies, one after the other (legs,) [rad].
         gravity: [m/s^2].
     """
     model = shapes.robot.model
@@ -117,16 +120,20 @@ def comes_to_lie(
     pin.computeCentroidalMomentum(model, data, q, v)
     spin, speed = data.hg.angular.copy(), data.hg.linear / pin.computeTotalMass(model)
     began = Pose(pin.Quaternion(q[3:7].copy()).toRotationMatrix(), q[:3].copy())
-    body, after = held(shapes, legs), held(shapes, posture)
+    body, later = held(shapes, legs), [held(shapes, one) for one in postures]
+    angles = tuple(tuple(map(float, one)) for one in postures)
     ways = []
     for some in (spin, 0.0 * spin):
         poses, first = tipped(body, fallen(body, began, some, speed, floor, gravity), floor)
-        more, links = tipped(after, poses[-1], floor)
+        more, links = poses[-1:], first
+        for standing in later:
+            then, links = tipped(standing, more[-1], floor)
+            more = more + then
         turn = more[-1].turn
-        places = [(float(p.place[0]), float(p.place[1])) for p in (began, *poses, *more)]
+        places = [(float(p.place[0]), float(p.place[1])) for p in (began, *poses, *more[1:])]
         ways.append(Lying(
             *places[-1], float(np.arctan2(turn[1, 0], turn[0, 0])),
-            float(np.arccos(np.clip(turn[2, 2], -1.0, 1.0))), first, links, tuple(places),
+            float(np.arccos(np.clip(turn[2, 2], -1.0, 1.0))), first, links, angles, tuple(places),
         ))  # fmt: skip
     one, other = ways
     same = one.links == other.links and abs(one.tilt - other.tilt) < _SAME

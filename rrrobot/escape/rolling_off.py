@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -22,13 +23,14 @@ import pinocchio as pin
 
 from rrrobot.belly.clearance import clearances, gauges
 from rrrobot.belly.feasible import feasibility
-from rrrobot.belly.fit import with_shell
 from rrrobot.belly.found import Belly
-from rrrobot.belly.placed import touches
-from rrrobot.belly.posture import reaching_posture
+from rrrobot.belly.placed import floors, touches, with_shell
+from rrrobot.belly.posture import Search
+from rrrobot.belly.ranges import flat_end
+from rrrobot.belly.swings import leaning
 from rrrobot.belly.tilting import tilts
-from rrrobot.checks import Array, finite
-from rrrobot.contact.boulder import Boulder
+from rrrobot.checks import Array
+from rrrobot.contact.boulder import Boulder, depth_of_floor, is_rock
 from rrrobot.contact.ground import normals
 from rrrobot.contact.shells import FlatBelly
 from rrrobot.contact.surfaces import Ellipsoid
@@ -42,7 +44,6 @@ from rrrobot.escape.limits import EscapeLimits
 from rrrobot.escape.ways import RollOff
 from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
-from rrrobot.robot.chains import leg_chains
 from rrrobot.robot.joints import JointIndex
 from rrrobot.robot.limits import JointEnds
 from rrrobot.simulation.events import Event, Snapshot, lift_off
@@ -51,14 +52,15 @@ from rrrobot.simulation.trajectory import Trajectory
 
 EDGE = 0.01
 """Radius of a belly's edge [m]."""
-_ROOM = 0.01
+_ROOM, _AXIS = 0.01, 1e-9
+_OVER = np.deg2rad((15.0, 30.0, 45.0))
+"""Tilts beyond a flat belly's edge at which limbs are to be clear, too [rad]."""
 _SHORTEST = 0.5
 """Of the legs' move [s]."""
-_LOOKED, _APART = 60, 0.002
-"""Instants at which links are looked at before anything is simulated; their distance [m]."""
 _FALL, _SAMPLE = 5.0, 0.005
 _ASIDE = np.deg2rad(60.0)
-_FLOOR, _ROCK, _SLIDE, _LEFT = "floor", "rock", "slide", "lift-off"
+_FLOOR, _ROCK, _SLIDE, _LEFT, _BACK = "floor", "rock", "slide", "lift-off", "back"
+_LITTLE = 1e-3
 _GONE = (_FLOOR, _SLIDE, _LEFT)
 
 
@@ -80,16 +82,16 @@ def roll_off(
         ModelError: the ground is no boulder.
     """
     ground = belly.ground
-    if not isinstance(ground, Boulder) or ground.radius <= 0:
+    if not is_rock(ground):
         raise ModelError(f"{goal.name} needs a rock: the ground is {ground!r}, not a Boulder.")
-    depth = finite("floor", ground.radius if floor is None else floor, "m", above=0)
+    depth = depth_of_floor(ground, floor)
+    assert depth is not None
     side = np.array(goal.weights[:2])
     azimuth = float(np.arctan2(side[1], side[0]))
-    tilt = np.linspace(0.0, belly.rolling_range.at(azimuth), 4)
-    at = touches(belly.shell, belly.center, ground, tilt, np.full(4, azimuth))
-    lean = reaching_posture(belly.shapes, at, belly.posture, side, _ROOM, frozenset(belly.covered))
-    shift = float((_mass_center(belly, lean) - _mass_center(belly, belly.posture))[:2] @ side)
-    drive = _way(belly, lean, limits.use * ends.velocity)
+    search = _search(belly, azimuth, depth)
+    passed = leaning(search, belly.posture, side)
+    shift = float((_mass_center(belly, passed[-1]) - _mass_center(belly, passed[0]))[:2] @ side)
+    drive = _moves(passed, limits.use * ends.velocity)
     model = FullModel(belly.robot, ground=ground, damping=damping)
     watch = _watch(belly, depth)
     rest = np.zeros(3) if belly.rest is None else belly.rest
@@ -113,44 +115,48 @@ def roll_off(
             over = float(run.time[-1])
     link = _lowest(belly, run) if ended == _FLOOR else ""
     broken = [str(v) for v in own.violations]
-    reason = _reason(belly, run, side, shift, ended, broken)
-    if not reason and np.isnan(over):
+    if ended == _FLOOR and np.isnan(over) and not broken:
         reason = (
             f"{link} reaches the floor while the belly still lies on the rock, rolled by "
             f"{np.rad2deg(rolled[0]):.0f} deg: legs higher with posture=, or a higher rock (floor=)"
         )
+    else:
+        reason = _reason(belly, run, side, shift, ended, broken)
     return RollOff(
         goal=goal, drive=drive, shift=shift, met=not reason, reason=reason, ended=ended, link=link,
         over=over, friction=own.peak_friction, landing=landing(belly, run, depth), trajectory=run,
     )  # fmt: skip
 
 
-def _way(belly: Belly, end: Array, rate: Array) -> LegMoves:
-    """The legs' move to a posture: all at once, or limb by limb where they would touch."""
-    ways = []
-    for limbs in (
-        (tuple(range(end.size)),),
-        leg_chains(belly.robot),
-        leg_chains(belly.robot)[::-1],
-    ):
-        at, moves = belly.posture, []
-        for limb in limbs:
-            to = at.copy()
-            to[list(limb)] = end[list(limb)]
-            duration = max(_SHORTEST, float((2.0 * np.abs(to - at) / rate).max()))
-            moves.append(Straight(start=at, end=to, duration=duration))
-            at = to
-        ways.append(LegMoves(moves))
-    apart = []
-    for way in ways:
-        q = np.tile(pin.neutral(belly.robot.model), (_LOOKED, 1))
-        index = JointIndex(belly.robot.model, belly.robot.legs)
-        for row, angle in zip(q, way(np.linspace(0, way.duration, _LOOKED)).angle, strict=True):
-            index.write(row, angle)
-        apart.append(float(clearances(belly.shapes, q, belly.ground).between.min()))
-        if apart[-1] > _APART:
-            return way
-    return ways[int(np.argmax(apart))]
+def _search(belly: Belly, azimuth: float, depth: float) -> Search:
+    """Postures that are clear of rock and floor until the belly is at its edge, and over it."""
+    shell, ground = belly.shell, belly.ground
+    assert isinstance(ground, Boulder)
+    end, over = float(belly.rolling_range.at(azimuth)), np.zeros(0)
+    if isinstance(shell, FlatBelly):
+        around = np.array((azimuth,))
+        end = float(flat_end(shell, ground, around)[0])
+        over = _OVER
+    at = touches(shell, belly.center, ground, np.linspace(0.0, end, 4), np.full(4, azimuth))
+    side = np.array((np.cos(azimuth), np.sin(azimuth)))
+    past = np.column_stack((np.sin(over)[:, None] * side, -np.cos(over)))
+    at = at._replace(
+        point=np.vstack((at.point, np.tile(at.point[-1], (len(over), 1)))),
+        normal=np.vstack((at.normal, past)),
+    )
+    floor = floors(at, depth, np.full(len(at.point), azimuth))
+    kinds = [kind for kind, out in zip(("left-right", "front-back"), side[::-1], strict=True)
+             if abs(out) < _AXIS]  # fmt: skip
+    return Search(belly.shapes, at, np.zeros(2), _ROOM, frozenset(belly.covered), floor, kinds)
+
+
+def _moves(passed: list[Array], rate: Array) -> LegMoves:
+    """The legs' moves from posture to posture, each from rest to rest."""
+    moves = []
+    for a, b in pairwise(passed if len(passed) > 1 else passed * 2):
+        duration = max(_SHORTEST, float((2.0 * np.abs(b - a) / rate).max()))
+        moves.append(Straight(start=a, end=b, duration=duration))
+    return LegMoves(moves)
 
 
 def _mass_center(belly: Belly, leg_angle: Array) -> Array:
@@ -190,6 +196,13 @@ def _tipped(
     long = max(EDGE, (shell.half_length, shell.half_width)[along] or EDGE)
     edge = Ellipsoid((long, EDGE, EDGE) if along == 0 else (EDGE, long, EDGE))
     robot = with_shell(belly.robot, edge, place + np.array((0.0, 0.0, EDGE)))
+    outward = np.zeros(3)
+    outward[1 - along] = np.sign((place - belly.center)[1 - along])
+
+    def beyond(at: Snapshot) -> float:
+        """How far its normal at the contact is beyond the flat face's, and a little."""
+        normal = normals(at.model.ground, at.position[None])[0]
+        return _LITTLE - float(normal @ at.R_world_body @ outward)
 
     def later(time: float) -> tuple[Array, Array, Array]:
         motion = drive(at + time)
@@ -198,8 +211,8 @@ def _tipped(
     gait = CallableGait(later, n_legs=robot.n_legs, check_span=(0.0, 0.1), name="leg_moves")
     over = FullModel(robot, ground=model.ground, damping=model.damping)
     more, said = _until(
-        over, gait, _FALL, watch, euler=run.euler[-1], start=run.euler_rates[-1],
-        position=run.position[-1],
+        over, gait, _FALL, [*watch, Event(beyond, True, -1, _BACK)], euler=run.euler[-1],
+        start=run.euler_rates[-1], position=run.position[-1],
     )  # fmt: skip
     arrays: dict[str, Any] = {"time": np.append(run.time, at + more.time[1:])}
     for name, value in vars(run).items():
@@ -264,6 +277,11 @@ def _reason(
         return f"it goes over {np.rad2deg(went):.0f} deg away from that side"
     if ended == _ROCK:
         return "a limb touches the rock on the way: legs higher with posture=, or a smaller rock"
+    if ended == _BACK:
+        return (
+            f"the legs move the centre of mass {1000 * shift:.0f} mm to that side; the belly rocks "
+            "to its edge and back: a smaller rock would let it go"
+        )
     if ended:
         return ended
     last = run.ground.point(run.position[-1]) - run.configuration[-1, :3]

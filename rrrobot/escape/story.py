@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import cached_property, partial
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +14,8 @@ import numpy as np
 from rrrobot.belly.clearance import clearances
 from rrrobot.belly.fit import fit_belly
 from rrrobot.belly.found import Belly
-from rrrobot.contact.boulder import Boulder
-from rrrobot.contact.ground import Ground
+from rrrobot.contact.boulder import depth_of_floor, is_rock
+from rrrobot.contact.ground import Ground, Plane
 from rrrobot.drive.damping import Damping
 from rrrobot.errors import GaitError, ModelError, ParameterError, ShellError
 from rrrobot.escape.atlas import Atlas
@@ -26,7 +27,7 @@ from rrrobot.escape.goals import ROCK, USUAL, Escape, goal_of
 from rrrobot.escape.landing import heights
 from rrrobot.escape.limits import TOUCH, EscapeLimits, Rules
 from rrrobot.escape.loss import RATIO, rocking_damping, rocking_modes
-from rrrobot.escape.lying import comes_to_lie
+from rrrobot.escape.lying import Lying, comes_to_lie
 from rrrobot.escape.polish import Judged
 from rrrobot.escape.rolling_off import roll_off
 from rrrobot.escape.spaces import GROUPS
@@ -40,6 +41,8 @@ from rrrobot.robot.robot import Robot
 _TRIED = 12
 """Gaits that are held against all limits for a goal until enough are confirmed, at most."""
 
+_BY_WAY = 2
+"""Postures over which the legs of a robot that has fallen go to its belly's, at most."""
 _NEAR = 5.0
 """Of directions [deg]: those so near are one."""
 
@@ -108,10 +111,17 @@ def unstick(
     ):  # fmt: skip
         if isinstance(number, bool) or number not in range(1, most + 1):
             raise ParameterError(f"{name} is {number!r}: it must be a whole number, 1 to {most}.")
+    if isinstance(budget, bool) or not isinstance(budget, int | np.integer) or budget < 1:
+        raise ParameterError(f"budget is {budget!r}: it must be a whole number, 1 at least.")
     checked_progress(progress)
-    belly = robot if isinstance(robot, Belly) else fit_belly(robot, ground=ground)
+    if isinstance(robot, Belly):
+        belly = robot
+        floor = depth_of_floor(belly.ground, floor)
+    else:
+        floor = depth_of_floor(Plane() if ground is None else ground, floor)
+        belly = fit_belly(robot, ground=ground, floor=floor)
     if goals is None:
-        goals = ROCK if isinstance(belly.ground, Boulder) else USUAL
+        goals = ROCK if is_rock(belly.ground) else USUAL
     wanted = [goal_of(goal) for goal in goals]
     found = Unstuck.begun(belly, limits, wanted, folder)
     left = [goal for goal in wanted if goal.name not in found.done]
@@ -249,12 +259,22 @@ class _Work:
         try:
             belly = self.below.belly
         except (ModelError, ShellError) as error:
-            return replace(way, lying=fall(posture=self.belly.posture), stays=str(error))
-        lying = fall(posture=belly.posture)
-        way = replace(way, lying=lying)
+            return replace(way, lying=fall(postures=[self.belly.posture]), stays=str(error))
         base = {piece.link for piece in shapes.on_joint(1)} | set(belly.covered)
-        down = [base.issuperset(one.links) and one.tilt < belly.rolling_range.least
-                for one in lying]  # fmt: skip
+
+        def down_of(lying: Sequence[Lying]) -> list[bool]:
+            return [base.issuperset(one.links) and one.tilt < belly.rolling_range.least
+                    for one in lying]  # fmt: skip
+
+        # To the belly's posture at once, or by way of others that the legs have been in.
+        known = (belly.posture, self.belly.posture, way.drive(way.drive.duration).angle)
+        tried = [fall(postures=[belly.posture])]
+        for first in (one for n in range(1, _BY_WAY + 1) for one in product(known, repeat=n)):
+            if all(down_of(tried[-1])):
+                break
+            tried.append(fall(postures=[*first, belly.posture]))
+        lying = tried[-1] if all(down_of(tried[-1])) else tried[0]
+        way, down = replace(way, lying=lying), down_of(lying)
         if len(lying) > 1 and any(down):
             return replace(way, stays="whether it lies on its belly depends on how it falls")
         if not down[0]:

@@ -22,7 +22,7 @@ from rrrobot.inline import html_table
 from rrrobot.models.base import Model
 
 STORE = "unstick.json"
-FORMAT = "rrrobot unstick 4"
+FORMAT = "rrrobot unstick 5"
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -58,6 +58,11 @@ def _lies(one: Lying) -> str:
     return ways[int(np.searchsorted(np.deg2rad((60.0, 120.0)), one.tilt))]
 
 
+def _by_way(one: Lying) -> str:
+    others = len(one.postures) - 1
+    return "slowly" if not others else f"slowly, by way of {others} that they had before,"
+
+
 def _floor_rows(way: RollOff) -> dict[str, str]:
     """What comes of it on the floor."""
     rows = {}
@@ -74,8 +79,8 @@ def _floor_rows(way: RollOff) -> dict[str, str]:
     if way.lying:
         rows["assumed of that"] = (
             "it falls freely, as if the rock were no longer there, the first blow takes all of its "
-            "energy, nothing slips, it tips slowly until it lies, and the legs go to the posture "
-            "of a robot that lies on its belly"
+            "energy, nothing slips, it tips slowly until it lies, and the legs go "
+            f"{_by_way(way.lying[0])} to the posture of a robot that lies on its belly"
         )
     if way.after is None:
         rows["goes on from there"] = f"no: {way.stays}"
