@@ -1,8 +1,8 @@
 """Sphinx: runs the code of every page, and puts what it prints, draws and films into the page.
 
 After each block stands what it printed. `![caption](name)` alone on a line shows a picture (.png,
-.svg) or plays a film (.html) that a block of the page wrote, or a picture of the folder. A block with `hide` after its language
-runs, and is not shown.
+.svg) or plays a film (.html) that a block of the page wrote, or a picture beside the page. A block
+with `hide` after its language runs, and is not shown.
 """
 
 from __future__ import annotations
