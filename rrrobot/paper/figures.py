@@ -190,6 +190,7 @@ def _pendulum(swings: Sequence[Trajectory], period: float, *, pivoted: bool) -> 
     left, right = figure.subplots(1, 2, width_ratios=(1.1, 1.5))
     for i, pitch in enumerate((-_SWING, _SWING, 0.0)):
         schematic(swings[0].robot, "side", left, euler=(0, pitch, 0), pivoted=pivoted, pale=i < 2)
+    left.locator_params(axis="x", nbins=5)
     for i, swing in enumerate(swings):
         angle = swing.euler[:, 1]
         label = f"from {np.rad2deg(angle[0]):.2g} deg"
