@@ -143,7 +143,7 @@ def sun(toward: Array, radius: float) -> Command:
     r = 1.1 * radius
     box = {"left": -r, "right": r, "top": r, "bottom": -r, "near": radius, "far": 5 * radius}
     shadow = {
-        "mapSize": [2048, 2048],
+        "mapSize": [1024, 1024],
         "bias": -0.0005,
         "normalBias": radius / 300,
         "camera": {"type": "OrthographicCamera", "uuid": "shadow", "zoom": 1, **box},
