@@ -199,6 +199,9 @@ def test_a_real_robot_goes_from_its_rock_to_a_gait_on_the_floor():
     gait = way.after
     assert gait.met and gait.value > 0.05
     assert way.path[-1][-1, 1] > 0.5
+    # It turns by two thirds of a right angle as it gets going, and the report says so.
+    assert round(np.rad2deg(way.astray), -1) == 60
+    assert "62 deg to the left of that side" in off_rows(way)["goes on from there"]
     assert "by way of 2" in off_rows(way)["assumed of that"]
     # What the page about it says.
     assert round(way.over, 1) == 0.2 and round(way.duration - way.over, 1) == 0.1
@@ -235,8 +238,10 @@ def test_a_robot_that_comes_down_on_its_belly_goes_on_to_that_side(tmp_path):
     velocity = (goes[-1] - goes[cycle]) / (run.time[-1] - run.time[cycle])
     assert velocity @ way.goal.weights[:2] == pytest.approx(gait.value, rel=0.02)
     wanted = np.arctan2(way.goal.weights[1], way.goal.weights[0])
-    assert np.arctan2(*velocity[::-1]) == pytest.approx(wanted, abs=np.deg2rad(10))
-    assert "to that side" in off_rows(way)["goes on from there"]
+    found = np.arctan2(*velocity[::-1])
+    assert found == pytest.approx(wanted, abs=np.deg2rad(10))
+    assert way.astray == pytest.approx(found - wanted, abs=1e-6)
+    assert "of that side" in off_rows(way)["goes on from there"]
     found = replace(Unstuck.begun(belly, EscapeLimits(), [way.goal], None), off={"off:90": way})
     names = {path.name for path in found.save(tmp_path)}
     page = (tmp_path / "report.html").read_text()

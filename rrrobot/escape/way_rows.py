@@ -85,9 +85,12 @@ def _floor_rows(way: RollOff) -> dict[str, str]:
     if way.after is None:
         rows["goes on from there"] = f"no: {way.stays}"
         return rows
+    astray = np.round(np.rad2deg(way.astray))
+    side = "left" if astray >= 0 else "right"
     run, gone = way.after.trajectory, way.path[-1][-1] @ np.array(way.goal.weights[:2])
     rows["goes on from there"] = (
-        f"{shown_value(way.after)} to that side ({way.after.goal.name} of where it faces), on the "
+        f"{shown_value(way.after)}, {abs(astray):.0f} deg to the {side} of that side "
+        f"({way.after.goal.name} of where it faces, and it turns as it gets going), on the "
         f"belly that fit_belly finds for level ground; {run.time[-1]:.1f} s after it lies, "
         f"{1000 * gone:.0f} mm from the rock's top to that side"
     )

@@ -18,6 +18,9 @@ from rrrobot.escape.landing import Landing
 from rrrobot.escape.lying import Lying, lying_of
 from rrrobot.simulation.trajectory import Trajectory
 
+_CYCLES = 4
+"""Of a settled gait, that tell where it leads."""
+
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class RollOff:
@@ -88,6 +91,20 @@ class RollOff:
             gone = run.configuration[:, :2] - run.configuration[0, :2]
             parts.append(np.array((begin.ahead, begin.left)) + gone @ turn.T)
         return tuple(parts)
+
+    @property
+    def astray(self) -> float:
+        """Angle from the wanted side to where the settled gait leads, to the left [rad].
+
+        A robot may turn while it gets going. NaN if it does not go on.
+        """
+        if self.after is None:
+            return float("nan")
+        time, places = self.after.trajectory.time, self.path[-1]
+        last = time[-1] - _CYCLES * (self.after.gait.period or 1.0)
+        gone = places[-1] - places[int(np.searchsorted(time, last - 1e-9))]
+        ahead, left, _ = self.goal.weights
+        return float(np.arctan2(ahead * gone[1] - left * gone[0], ahead * gone[0] + left * gone[1]))
 
     def to_dict(self) -> dict[str, Any]:
         """Everything but the trajectory as plain data."""
