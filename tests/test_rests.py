@@ -6,6 +6,7 @@ import pytest
 
 import rrrobot as rr
 from rrrobot.belly.rests import rest_of, standing
+from rrrobot.robot.legged import legged_urdf
 
 UP = np.full(2, np.pi / 2)
 RADIUS = 0.12
@@ -96,3 +97,20 @@ def test_on_a_sharp_ridge_it_tips_over_in_one_axis(robot):
         assert rest.stable == stable
         growing = [m.axis for m in rest.modes if m.decay_rate < -1e-3]
         assert growing == ([] if stable else ["roll"])
+
+
+@pytest.mark.parametrize("degrees", [3.0, 5.0])
+def test_a_dome_rests_on_a_slope_with_its_mass_over_the_contact(degrees):
+    """Its shell is far larger than the robot: Newton's method must not begin upright."""
+    angle = np.deg2rad(degrees)
+    slope = rr.Plane((-np.sin(angle), 0.0, np.cos(angle)))
+    belly = rr.fit_belly(legged_urdf(4), ground=slope)
+    assert belly.stable and belly.reason == ""
+    model = belly.model()
+    pose = model.make_pose(belly.rest, belly.resting.position)
+    q = model.configuration(pose, belly.posture)
+    center = pin.centerOfMass(model.model, model.data, q)
+    contact = slope.point(belly.resting.position)
+    np.testing.assert_allclose(center[:2], contact[:2], atol=1e-9)
+    # It leans with the slope, by no more than twice as much.
+    assert 1.0 < -belly.rest[1] / angle < 2.0

@@ -225,7 +225,9 @@ def test_a_robot_that_comes_down_on_its_belly_goes_on_to_that_side(tmp_path):
     """A ball that its rock lets go upright: the fall is made up, what follows is not."""
     belly = rr.fit_belly(rr.Robot.from_parameters(), ground=rr.Boulder(1.0))
     work = _Work(belly, EscapeLimits(), None, GROUPS, None, 0.1, 1)
-    way = replace(work.off(goal_of("off:90"), 0.3), met=True, ended="lift-off", reason="", link="")
+    # It faces ahead as it falls; the side that is wanted is the left.
+    way = replace(work.off(goal_of("off:0"), 0.3), goal=goal_of("off:90"), met=True,
+                  ended="lift-off", reason="", link="")  # fmt: skip
     way = work.onward(way, 600, 1, 1, lambda *_: None)
     (lying,) = way.lying
     gait = way.after

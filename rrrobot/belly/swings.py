@@ -23,6 +23,8 @@ _LOOKED = 16
 """Postures that are looked at on each straight part."""
 _APART, _ROOM = 0.002, 0.003
 """Distances of links, and of links and ground, that are wanted on the way [m]."""
+_WORTH = 5e-4
+"""Of what a posture costs, the least gain for which a limb moves; see `Search.costs` [m]."""
 _BACK = 0.004
 """How far the centre of mass may go to the other side on the way [m]."""
 
@@ -50,7 +52,8 @@ def leaning(search: Search, start: Array, side: Array) -> list[Array]:
 def _moved(search: Search, start: Array, limb: tuple[int, ...]) -> list[Array]:
     """Where a limb and its images go from a posture; nowhere if nothing better is in reach."""
     trials, costs = search.candidates(start, limb)
-    trials = trials[costs < search.costs(start[None], search.capsules_of(search.moved(limb)))]
+    stay = search.costs(start[None], search.capsules_of(search.moved(limb)))
+    trials = trials[costs < stay - _WORTH]
     for i in search.unlike(trials, limb)[:_TRIED]:
         if _clear(search, [start, trials[i]], limb):
             return [trials[i]]
