@@ -45,6 +45,7 @@ _STYLE = (
     "td,th{overflow-wrap:break-word;text-align:left;vertical-align:top;padding:.1em .8em .1em 0}"
     "table{border-collapse:collapse;margin:.6em 0}h1,h2{line-height:1.2}"
     ".no{color:#BB5566;font-weight:bold}img{max-width:100%}"
+    ".plot{overflow-x:auto}.plot img{min-width:600px}"
 )
 
 
@@ -254,4 +255,4 @@ def _png_of(axes: Any) -> bytes:
 
 def _picture(data: bytes) -> str:
     text = base64.b64encode(data).decode("ascii")
-    return f'<img src="data:image/png;base64,{text}" alt="plot">'
+    return f'<div class="plot"><img src="data:image/png;base64,{text}" alt="plot"></div>'

@@ -32,7 +32,7 @@ def off_rows(way: RollOff) -> dict[str, str]:
         "off the rock": "yes" if way.met else f"no: {way.reason}",
     }
     if np.isfinite(way.over):
-        rows["goes over"] = f"at {way.over:.2f} s"
+        rows["the belly is at its edge"] = f"at {way.over:.2f} s"
     if way.met:
         ends = {"floor": f"{way.link} reaches the floor", "slide": "it slides off"}
         told = ends.get(way.ended, "the rock pushes no longer")
