@@ -262,3 +262,23 @@ def test_wrong_use_is_told(robot):
         rr.FullModel(robot, damping=-0.1)
     with pytest.raises(rr.ParameterError, match="damping"):
         rr.FullModel(robot, damping="heavy")
+
+
+def test_what_is_no_robot_no_model_and_no_state_is_said_so():
+    robot = rr.Robot.from_parameters()
+    for make in (rr.FullModel, rr.PivotingModel, rr.YawModel):
+        for wrong in (robot.model, rr.Robot, "solo12"):
+            with pytest.raises(rr.ModelError, match="it must be a Robot"):
+                make(wrong)
+    with pytest.raises(rr.ModelError, match="model is Robot: it must be a model"):
+        rr.simulate(robot, rr.gait("lateral"))
+    model = rr.FullModel(robot)
+    q = model.configuration((0, 0, 0, 1, 0, 0), (1.5, 1.5))
+    for bad, text in (
+        (0 * q, "unit one"),
+        (1.01 * q, "unit one"),
+        (q[:3], "hold 9"),
+        (q * np.nan, "finite"),
+    ):
+        with pytest.raises(rr.ParameterError, match=text):
+            model.equations(bad, np.zeros(8))

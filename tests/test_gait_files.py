@@ -115,9 +115,28 @@ def test_csv_may_have_a_head_and_remarks(tmp_path):
     np.testing.assert_array_equal(rr.read_gait(path).angle, samples(41)[1])
 
 
+def test_set_points_are_read_again_and_units_in_heads_count(tmp_path):
+    gait = rr.gait("circular")
+    table = rr.gait_table(gait, 100.0)
+    back = rr.read_gait(table.to_csv(tmp_path / "points.csv"))
+    np.testing.assert_allclose(back(0.1234).angle, gait(0.1234).angle, atol=1e-7)
+    degrees = np.column_stack((1e3 * table.time, np.rad2deg(table.angle)))
+    degrees[-1, 1] += 1e-4  # a log that closes as well as logs do
+    head = "time [ms],left [deg],right [deg]"
+    np.savetxt(tmp_path / "log.csv", degrees, delimiter=",", header=head, comments="")
+    again = rr.read_gait(tmp_path / "log.csv")
+    assert again.period == pytest.approx(gait.period, rel=1e-12)
+    np.testing.assert_allclose(again(0.1234).angle, gait(0.1234).angle, atol=1e-5)
+
+
 @pytest.mark.parametrize(
     ("name", "text", "message"),
     [
+        ("h.csv", "time [s],left [grad]\n0,1\n", "unit of 'left .grad.' is none of rad"),
+        ("i.csv", "time [h],left\n0,1\n", "unit of 'time .h.' is none of s, ms"),
+        ("j.csv", "time,left\n0,1,2\n", "2 names for 3 columns"),
+        ("k.json", '{"type": "sinusoidal", "offset": 1}', "lacks the entry amplitude, angular"),
+        ("l.json", '{"type": "still", "angle": [1], "foo": 2}', "does not know the entry foo"),
         ("a.csv", "time,left\n0,zero\n", "no table of numbers"),
         ("b.csv", "0\n1\n2\n3\n", "no column of angles"),
         ("c.csv", "0,1\n1,2,3\n", "no table of numbers"),

@@ -291,5 +291,7 @@ def test_the_plan_command(home, tmp_path):
     shown = CliRunner().invoke(cli, [*args[:7], "--quiet", "--json"])
     data = json.loads(shown.stdout)
     assert np.hypot(*data["error"][:2]) < PLACE and data["goal"][2] == pytest.approx(np.pi / 8)
+    degrees = CliRunner().invoke(cli, ["plan", "--goal", "0.3,0.2,45"])
+    assert degrees.exit_code == 1 and "yaw of --goal is 45 rad" in degrees.output
     for bad in (["--goal", "1,2"], ["--goal", "0,0,0", "--polygon", "1,2 3,4"], []):
         assert CliRunner().invoke(cli, ["plan", *bad]).exit_code == 2

@@ -18,7 +18,7 @@ from rrrobot.cli.report import tell
 from rrrobot.cli.simulate import checked_file
 from rrrobot.cli.types import NUMBER, Numbers
 from rrrobot.drive.tables import gait_table
-from rrrobot.errors import OutputError
+from rrrobot.errors import OutputError, ParameterError
 from rrrobot.files import check_writable
 from rrrobot.inline import aligned
 from rrrobot.models.full import FullModel
@@ -127,6 +127,16 @@ def plan_command(
       rrrobot simulate --gait plan.json --start rest --duration 60
     """
     files = output.files()
+    for name, (*_, yaw) in (
+        ("goal", goal),
+        ("start", start),
+        *(("waypoint", w) for w in waypoint),
+    ):
+        if abs(yaw) > 2 * math.pi:
+            raise ParameterError(
+                f"the yaw of --{name} is {yaw:g} rad, more than a turn: angles are in rad, such "
+                "as pi/4."
+            )
     parts = Parts.of(robot, ground, damping)
     model = parts.model(FullModel)
     tell_of_compiling(quiet=output.quiet)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from pathlib import Path
 from typing import Any
 
@@ -15,9 +16,11 @@ from rrrobot.drive.gaits import Gait, LegMotion
 from rrrobot.errors import GaitError
 from rrrobot.files import read_text
 
-_CLOSED = 1e-6
+_CLOSED = 1e-4
 """Difference of the last sample from the first, over the largest swing, that counts as none."""
 _MOST = 1_000_000
+_UNITS = {"s": 1.0, "ms": 1e-3}, {"rad": 1.0, "deg": np.pi / 180, "°": np.pi / 180, "m": 1.0}
+"""Of times and of angles, as heads have them in brackets, and what they are in ours."""
 
 
 @serial.register("sampled")
@@ -81,7 +84,9 @@ class SampledGait(Gait):
     def from_csv(cls, path: str | Path, *, periodic: bool = True) -> SampledGait:
         """Read a table: a column of times [s], then one of angles [rad] for each leg.
 
-        A first row of names is passed over, and so are lines that begin with #.
+        In a first row of names, units in brackets count: "time [ms]", "left [deg]". Rates and
+        accelerations, such as `GaitTable.to_csv` writes, are passed over: the spline has its own.
+        So are lines that begin with #.
 
         Raises:
             GaitError: the file cannot be read, or its numbers are no gait.
@@ -92,12 +97,13 @@ class SampledGait(Gait):
             raise GaitError(f"cannot read the gait {str(path)!r}: {error}.") from None
         lines = [line for line in text.splitlines() if line.strip() and line.strip()[0] != "#"]
         rows = list(csv.reader(lines))
-        if rows and not _is_number(rows[0][0]):
-            rows = rows[1:]
         try:
+            head = [] if not rows or _is_number(rows[0][0]) else rows.pop(0)
             table = np.array([[float(cell) for cell in row] for row in rows])
             if table.ndim != 2 or table.shape[1] < 2:
                 raise ValueError("it has no column of angles beside that of times")
+            if head:
+                table = _in_our_units(head, table)
         except ValueError as error:
             raise GaitError(
                 f"the gait {str(path)!r} is no table of numbers: {error}. Each row is a time [s] "
@@ -159,6 +165,21 @@ def _turns(values: Array) -> Array:
             "at the time of one period, or give periodic=False."
         )
     return turns
+
+
+def _in_our_units(head: list[str], table: Array) -> Array:
+    """The columns of times and angles, in s, rad and m."""
+    if len(head) != table.shape[1]:
+        raise ValueError(f"its first row has {len(head)} names for {table.shape[1]} columns")
+    kept = []
+    for i, name in enumerate(head):
+        unit = (re.findall(r"\[([^]]*)\]", name) or [""])[-1].strip()
+        known = _UNITS[min(i, 1)]
+        if unit in known or not unit:
+            kept.append(table[:, i] * known.get(unit, 1.0))
+        elif i == 0 or "/s" not in unit:
+            raise ValueError(f"the unit of {name.strip()!r} is none of {', '.join(known)}")
+    return np.column_stack(kept)
 
 
 def _is_number(text: str) -> bool:

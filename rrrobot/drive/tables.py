@@ -6,6 +6,7 @@ import csv
 import io
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -63,7 +64,7 @@ class GaitTable:
 
         The head of each column has its unit: "time [s]", "leg_1_angle [rad]".
 
-        The first columns are what `SampledGait.from_csv` takes if the others are cut off.
+        `SampledGait.from_csv` reads the angles again, and leaves rates and accelerations.
 
         Raises:
             OutputError: the file cannot be written, or its name does not end in .csv.
@@ -203,8 +204,11 @@ def gait_from_dict(data: Mapping[str, Any]) -> Gait:
     except ParameterError as error:
         raise error if isinstance(error, GaitError) else GaitError(str(error)) from None
     except (TypeError, KeyError) as error:
-        kind = data.get("type")
-        raise GaitError(f"the {kind} gait has not the entries that it needs: {error}.") from None
+        lacks = isinstance(error, KeyError) or "missing" in str(error)
+        names = ", ".join(re.findall(r"'(\w+)'", str(error))) or str(error)
+        raise GaitError(
+            f"the {data['type']} gait {'lacks' if lacks else 'does not know'} the entry {names}."
+        ) from None
     return gait
 
 

@@ -57,6 +57,10 @@ class History:
     motion: Callable[[float], LegMotion | None]
     torque: Callable[[float, Array, Array], Array | None]
 
+    def __repr__(self) -> str:
+        end = f"{self.time[0]:g} .. {self.time[-1]:.4g} s"
+        return f"History({self.name}, {len(self)} samples, {end})"
+
     def _repr_html_(self) -> str:
         rows = {
             "time": f"{self.time[0]:g} .. {self.time[-1]:.4g} s, {len(self)} samples",

@@ -40,8 +40,8 @@ from rrrobot.inline import shows
 from rrrobot.integrate import MAX_STEP
 from rrrobot.kkt import ConstraintRows, kkt_build, kkt_solve
 from rrrobot.models.terms import Dynamics, Equations, Placement
-from rrrobot.robot.joints import JointIndex, coriolis_matrix, energy, joint_inertia
-from rrrobot.robot.robot import Robot
+from rrrobot.robot.joints import JointIndex, checked_state, coriolis_matrix, energy, joint_inertia
+from rrrobot.robot.robot import Robot, checked_robot
 from rrrobot.rotations import continuous_euler, euler_from_quaternion
 
 VERTICAL_PITCH = np.deg2rad(89.5)
@@ -90,18 +90,14 @@ class Model(ABC):
             raise ParameterError(
                 f"the ground's normal is {up.tolist()}: it must point up (third entry above zero)."
             )
-        self.robot = robot
-        self.ground = ground
+        self.robot, self.ground = checked_robot(robot), ground
         own = isinstance(damping, str) and damping == OWN
         self.damping: Damping = self._own_damping() if own else as_damping(damping)
-        self.model = pin_model
-        self.data = pin_model.createData()
+        self.model, self.data = pin_model, pin_model.createData()
         self.constraints = constraints
-        self.legs = JointIndex(pin_model, robot.legs)
-        self.n_legs = robot.n_legs
+        self.legs, self.n_legs = JointIndex(pin_model, robot.legs), robot.n_legs
         self._prescribed = PrescribedJoints(self.legs.v, pin_model.nv)
-        self._neutral = pin.neutral(pin_model)
-        self._still = np.zeros(pin_model.nv)
+        self._neutral, self._still = pin.neutral(pin_model), np.zeros(pin_model.nv)
         self._lossy = robot.joints.lossy
         contact = self.rolling
         self._whole_contact = contact.name if contact is not None and contact.is_whole else None
@@ -261,7 +257,11 @@ class Model(ABC):
             >>> terms = model.equations(q, np.zeros(8))
             >>> terms.gravity[2].round(4)  # the weight [N]
             np.float64(5.1012)
+
+        Raises:
+            ParameterError: q or v of another size or not finite, or a quaternion that is no unit.
         """
+        q, v = checked_state(self.model, q, v)
         return Equations(
             np.array(joint_inertia(self.model, self.data, q)),
             coriolis_matrix(self.model, self.data, q, v),

@@ -15,7 +15,7 @@ from rrrobot.drive.damping import DampingLike
 from rrrobot.models.base import OWN, Model
 from rrrobot.models.gravity import at_gravity, gravity_on
 from rrrobot.models.terms import Placement
-from rrrobot.robot.robot import Robot
+from rrrobot.robot.robot import Robot, checked_robot
 from rrrobot.rotations import (
     body_rates_matrix,
     euler_from_quaternion,
@@ -63,7 +63,7 @@ class FullModel(Model):
         self, robot: Robot, *, ground: Ground | None = None, damping: DampingLike = OWN
     ) -> None:
         ground = Plane() if ground is None else ground
-        rolling = RollingContact.of(robot, ground)
+        rolling = RollingContact.of(checked_robot(robot), ground)
         pin_model = at_gravity(robot.model, gravity_on(robot, ground))
         super().__init__(robot, pin_model, ground=ground, damping=damping, constraints=(rolling,))
         self._center = np.array(robot.shell_placement.translation)

@@ -10,7 +10,7 @@ from rrrobot.contact.surfaces import SHELL_FRAME, Sphere
 from rrrobot.errors import ModelError
 from rrrobot.models.gravity import gravity_on
 from rrrobot.robot.joints import build_model
-from rrrobot.robot.robot import Robot
+from rrrobot.robot.robot import Robot, checked_robot
 from rrrobot.robot.urdf import CHAINS, ReducedKind, reduced_urdf
 
 
@@ -39,6 +39,7 @@ def pivot_radius(robot: Robot, kind: str, ground: Ground) -> float:
     Raises:
         ModelError: the shell is no sphere, or the ground not level.
     """
+    checked_robot(robot)
     if not isinstance(robot.shell, Sphere):
         raise ModelError(
             f"the {kind} model needs a spherical shell; this robot has {robot.shell}. Use the full "

@@ -11,8 +11,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from rrrobot.checks import Array
-from rrrobot.errors import ModelError, UrdfError
+from rrrobot.checks import Array, vector
+from rrrobot.errors import ModelError, ParameterError, UrdfError
 from rrrobot.robot.faults import listed, root_link, shown
 from rrrobot.robot.mimics import couple, couplings, restore_names
 from rrrobot.robot.reader import parse_urdf
@@ -21,6 +21,8 @@ from rrrobot.robot.tree import for_pinocchio, turn_over
 # Pinocchio's memory grows with the cube of the freedoms: 240 MB here, tens of GB for 1000.
 _MAX_LEGS = 150
 _OF_JOINT = " (joint)"
+_UNIT = 1e-6
+"""By how much the length of a quaternion may differ from one."""
 
 
 class JointIndex:
@@ -172,6 +174,20 @@ def movable_joints(
     if base is not None:
         turn_over(tree, base, held)
     return _moving(tree)
+
+
+def checked_state(model: pin.Model, q: Any, v: Any) -> tuple[Array, Array]:
+    """Pinocchio's q (nq,) and v (nv,), finite and with unit quaternions.
+
+    Raises:
+        ParameterError: they are not.
+    """
+    q, v = vector("q", q, model.nq), vector("v", v, model.nv)
+    if not pin.isNormalized(model, q, _UNIT):
+        raise ParameterError(
+            f"q is {q.tolist()}: its quaternion must be a unit one; pin.normalize makes it so."
+        )
+    return q, v
 
 
 def joint_inertia(model: pin.Model, data: pin.Data, q: Array) -> Array:

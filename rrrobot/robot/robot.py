@@ -15,7 +15,7 @@ from rrrobot.checks import Array, finite, vector
 from rrrobot.contact.convexity import check_convex
 from rrrobot.contact.saved import surface_from_dict
 from rrrobot.contact.surfaces import SHELL_FRAME, Sphere, Surface
-from rrrobot.errors import ShellError, UrdfError
+from rrrobot.errors import ModelError, ShellError, UrdfError
 from rrrobot.inline import html_table
 from rrrobot.robot.examples import example_urdf
 from rrrobot.robot.faults import root_link
@@ -318,3 +318,19 @@ def _add_shell_frame(model: pin.Model, robot: Robot) -> pin.SE3:
     placement = link.placement * pin.SE3(rotation_from_euler(robot.shell_rpy), robot.shell_center)
     model.addFrame(pin.Frame(SHELL_FRAME, 1, placement, pin.FrameType.OP_FRAME))
     return placement
+
+
+def checked_robot(robot: Any) -> Robot:
+    """A Robot, which is what models are made of.
+
+    Raises:
+        ModelError: it is something else.
+    """
+    if not isinstance(robot, Robot):
+        kind = f"the class {robot.__name__}" if isinstance(robot, type) else type(robot).__name__
+        raise ModelError(
+            f"robot is {kind}: it must be a Robot, such as Robot.from_parameters() or "
+            "Robot.from_urdf(file, shell=Sphere(0.2)). A Pinocchio model alone is rolled by its "
+            "constraints: examples/own_pinocchio_model.py."
+        )
+    return robot

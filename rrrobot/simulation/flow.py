@@ -94,6 +94,9 @@ class Flow:
                 f"gait is {type(drive).__name__}: it must be a Gait, such as SinusoidalGait, or "
                 "LegTorques. Wrap a function in CallableGait."
             )
+        if not isinstance(model, Model):
+            kind = type(model).__name__
+            raise ModelError(f"model is {kind}: it must be a model, such as FullModel(robot).")
         if isinstance(model, DecoupledModels) and not isinstance(drive, Gait):
             raise GaitError(NEEDS_GAIT)
         model.check_legs(drive.n_legs)
@@ -104,12 +107,9 @@ class Flow:
         self.stepping = Stepping(
             step, RTOL if rtol is None else rtol, ATOL if atol is None else atol, longest
         ).checked()
-        self._legs = slice(
-            model.n_pose + model.n_quasi,
-            model.n_pose
-            + model.n_quasi
-            + (2 * model.n_legs if isinstance(drive, LegTorques) else 0),
-        )
+        first = model.n_pose + model.n_quasi
+        free = 2 * model.n_legs if isinstance(drive, LegTorques) else 0
+        self._legs = slice(first, first + free)
         self.size = self._legs.stop
         """of the state vector"""
 
