@@ -27,7 +27,7 @@ def circular(robot):
 
 @pytest.fixture(scope="module")
 def short(robot):
-    return rr.studies.compare(robot, rr.gait("circular"), 10.0)
+    return rr.studies.compare(robot, rr.gait("circular"), 7.0)
 
 
 @pytest.mark.slow

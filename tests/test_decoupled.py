@@ -152,10 +152,11 @@ def test_other_models_may_be_given(robot: rr.Robot, recombined: rr.Trajectory) -
 @pytest.mark.parametrize(
     ("name", "speed", "yaw_rate"),
     [
-        pytest.param("lateral", 0.009931065, 0.0, marks=pytest.mark.slow),
+        ("lateral", 0.009931065, 0.0),
         ("circular", 0.0040926, 0.0135522),
     ],
 )
+@pytest.mark.slow
 def test_steady_state_of_the_two_gaits(name: str, speed: float, yaw_rate: float) -> None:
     t = rr.decoupled(library_robot(), rr.gait(name), 30.0, PERIOD / 25, step=PERIOD / 12)
     steady = t.steady_state()

@@ -99,6 +99,7 @@ def test_nearest_points():
             Track(bad)
 
 
+@pytest.mark.slow
 def test_an_eight_on_another_robot(model, other):
     sensor = Sensor(place=NOISE[0], yaw=NOISE[1], delay=1)
     run = follow(model, Track.eight(0.5), 150.0, truth=other, sensor=sensor)

@@ -72,7 +72,7 @@ def test_a_gait_of_ones_own_comes_back_within_another():
         ({"type": "sphere", "radius": 0.1}, "gait type is 'sphere'"),
         ([], "gait type is"),
         ({"type": "sinusoidal", "offset": 1.0}, "amplitude"),
-        ({"type": "ramp_in", "duration": 1.0}, "'gait'"),
+        ({"type": "ramp_in", "duration": 1.0}, "lacks the entry gait"),
         ({"type": "leg_moves", "moves": []}, "moves is empty"),
         ({"type": "leg_moves", "moves": [{"type": "jump"}]}, "move type is 'jump'"),
     ],

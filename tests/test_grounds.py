@@ -135,7 +135,7 @@ def test_state_has_the_reference_values(name):
     np.testing.assert_allclose((ahead - behind) / (2 * h), p_dot, atol=2e-9)
 
 
-@pytest.mark.parametrize("name", some(PAIRS, "BDF"))
+@pytest.mark.parametrize("name", some(PAIRS, "BD"))
 def test_ten_seconds_have_the_reference_values(name):
     t = rr.simulate(model(*PAIRS[name]), GAIT, 10.0, 1.0, euler=START, rtol=1e-11, atol=1e-12)
     euler, point, force, torque = TEN[name]

@@ -38,7 +38,7 @@ def both(full, gait, duration=10.0, step=0.01, **start):
     return kkt, fast
 
 
-@pytest.mark.parametrize("name", some(EVERY, ("E", "sphere bowl")))
+@pytest.mark.parametrize("name", some(EVERY, ("sphere bowl",)))
 def test_engine_and_kkt_agree_to_1e_9_after_ten_seconds(name):
     kkt, fast = both(model(*EVERY[name]), GAIT, euler=START)
     np.testing.assert_allclose(fast.euler, kkt.euler, atol=1e-9)

@@ -32,10 +32,11 @@ def wiggle(n, amplitude=0.3, omega=6.0):
 @pytest.mark.parametrize(
     "name, v, alpha",
     [
-        pytest.param("lateral", 0.009656, 0.0, marks=pytest.mark.slow),
+        ("lateral", 0.009656, 0.0),
         ("circular", 0.0066765, 0.0208546),
     ],
 )
+@pytest.mark.slow
 def test_gaits_of_the_paper(robot, name, v, alpha):
     """To the printed digits of the notes and to 1e-6 of the point-mass derivation."""
     model = rr.FullModel(robot)

@@ -50,7 +50,7 @@ def test_gradient_of_the_net_motion(name, row, sense):
 
 
 @pytest.mark.parametrize("which", some(BEST, by_default=("snake, x", "satellite, theta")))
-@pytest.mark.parametrize("per", ["cycle", "travel"])
+@pytest.mark.parametrize("per", [pytest.param("cycle", marks=pytest.mark.slow), "travel"])
 def test_no_other_cycle_moves_it_more(which, per):
     name, component, box = BEST[which]
     machine = rr.machines.by_name(name)

@@ -20,7 +20,6 @@ from rrrobot.momentum.extremes import extremes
 from rrrobot.momentum.kernels import LANES, LIFT_OFF, OK, VERTICAL
 from rrrobot.momentum.lowering import VERTICAL as SINE_LIMIT
 from tests.random_robot import random_robot
-from tests.some import some
 
 ODD = rr.RRRobotParameters(
     leg_mass=(0.05, 0.08), leg_length=(0.11, 0.07), hip_offset=0.09, shell_radius=0.13
@@ -257,12 +256,9 @@ def engine_loads(model, gait, cycles, steps):
     return dict(zip((*RESULT, *LOADS), row, strict=True))
 
 
-@pytest.mark.parametrize("model", some(MODELS, {"full"}, lambda m: m.name))
-@pytest.mark.parametrize(
-    "parameters",
-    [rr.RRRobotParameters(), pytest.param(ODD, marks=pytest.mark.slow)],
-    ids=["Table 2", "odd"],
-)
+@pytest.mark.slow
+@pytest.mark.parametrize("model", MODELS, ids=lambda m: m.name)
+@pytest.mark.parametrize("parameters", [rr.RRRobotParameters(), ODD], ids=["Table 2", "odd"])
 def test_loads_are_those_of_the_kkt_trajectory(model, parameters):
     kind = model(rr.Robot.from_parameters(parameters))
     gait = rr.SinusoidalGait(

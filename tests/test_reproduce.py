@@ -41,7 +41,7 @@ pytestmark = pytest.mark.usefixtures("compiled_engine")
 PAPER_ITEMS = [f"table{i}" for i in range(1, 5)] + [f"fig{i}" for i in range(1, 23)]
 ERRATA = [item.key for item in ITEMS if item.key.startswith(("erratum", "open"))]
 LONG = {"table4", "fig2", "fig3", "fig6", "fig7", "fig15", "fig16", "fig17", "fig18", "open-start"}
-LONG |= {"erratum-eq5", "open-cycles"}
+LONG |= {"fig11", "fig12", "fig14", "fig19", "fig20", "fig22", "erratum-eq5", "open-cycles"}
 """Items that take seconds."""
 
 
@@ -79,7 +79,7 @@ def hold_every_number(made: Reproduction) -> None:
             assert f"rrrobot reproduce --only {section.key}" in text
             assert text.count(f'id="{section.key}"') == 1
     figures = sum(section.key.startswith("fig") for section in made.sections)
-    assert texts[0].count("<img") == texts[1].count("![") == figures > 10
+    assert texts[0].count("<img") == texts[1].count("![") == figures > 5
     assert (
         texts[1].count("| erratum |")
         == sum(row["verdict"] == ERRATUM for s in made.sections for row in s.rows) + 2

@@ -123,7 +123,7 @@ def quadruped():
     return rr.fit_belly(legged_urdf(4), ground=rr.Boulder(0.3), floor=0.3)
 
 
-@pytest.mark.parametrize("azimuth", [0.0, np.pi / 2])
+@pytest.mark.parametrize("azimuth", [pytest.param(0.0, marks=pytest.mark.slow), np.pi / 2])
 def test_legs_lean_on_ways_that_touch_nothing(quadruped, azimuth):
     """Capsules and postures in between choose the way; Coal judges the links' own shapes."""
     belly, side = quadruped, np.array((np.cos(azimuth), np.sin(azimuth)))
