@@ -70,7 +70,9 @@ def test_it_goes_straight_and_nothing_slips(belly, begun):
 def test_small_gaits_keep_to_the_joints_limits():
     belly = rr.fit_belly("go2")
     joints = belly.robot.joints
-    for way in travelling(belly, replace(Knobs.of(belly.robot), damping=0.1)):
+    ways = travelling(belly, replace(Knobs.of(belly.robot), damping=0.1))
+    assert ways
+    for way in ways:
         swing = np.array(way["amplitude"])
         assert np.all(belly.posture - swing >= joints.lower) and swing.max() > 0.05
         assert np.all(belly.posture + swing <= joints.upper)

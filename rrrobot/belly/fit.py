@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from rrrobot.belly.fitting import FORMS, Fit, ball_of, cone, fit_form
 from rrrobot.belly.found import Belly
 from rrrobot.belly.placed import Gauge, floors, placed, touches, with_shell
-from rrrobot.belly.posture import Posture, find_posture, judged
+from rrrobot.belly.posture import Posture, Search, find_posture, judged
 from rrrobot.belly.ranges import AZIMUTHS, RollingRange, flat_end, rolling_range, round_end
 from rrrobot.belly.rests import Rest, rest_of, standing
 from rrrobot.belly.shapes import Shapes
@@ -230,7 +230,7 @@ class _Work:
             middle = face.corners.mean(axis=0)
         room, at = _ROOM * below.width, self._touches(fit)
         floor = None if self.floor is None else floors(at, self.floor, _AROUND)
-        return find_posture(self.shapes, at, middle, room, covered, floor)
+        return find_posture(Search(self.shapes, at, middle, room, covered, floor))
 
     def given(self, fitted: tuple[str, Fit], leg_angle: Array) -> Posture:
         """What a posture of the user's has."""

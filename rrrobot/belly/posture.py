@@ -47,25 +47,8 @@ class Posture(NamedTuple):
     """least distance of two links that count, by Coal [m]; infinite if there are none"""
 
 
-def find_posture(
-    shapes: Shapes,
-    at: Touches,
-    middle: Array,
-    room: float,
-    covered: frozenset[str],
-    floor: Floors | None = None,
-) -> Posture:
-    """The posture of the lowest centre of mass with its limbs `room` clear of the ground.
-
-    Args:
-        shapes: of the robot.
-        at: the contacts over which the limbs are to be clear.
-        middle: (x, y) above which the centre of mass is wanted [m].
-        room: clearance wanted [m].
-        covered: links that the shell holds, which need none.
-        floor: of which limbs are to be clear, too.
-    """
-    search = Search(shapes, at, middle, room, covered, floor)
+def find_posture(search: Search) -> Posture:
+    """The posture of the lowest centre of mass with its limbs clear, as far as the search goes."""
     angle = search.start()
     groups = search.groups()
     for _ in range(_ROUNDS if len(groups) > 1 else 1):
@@ -75,7 +58,7 @@ def find_posture(
 
 
 def judged(shapes: Shapes, at: Touches, leg_angle: Array) -> Posture:
-    """What a given posture has; see `find_posture`."""
+    """What a given posture (legs,) has [rad or m]."""
     search = Search(shapes, at, np.zeros(2), 0.0, frozenset())
     return Posture(leg_angle, search.separation(leg_angle))
 
@@ -83,7 +66,16 @@ def judged(shapes: Shapes, at: Touches, leg_angle: Array) -> Posture:
 class Search:
     """Postures of a robot, limb by limb: what they lack in clearance, and where the mass is.
 
-    See `find_posture`. `height` is what a metre of the centre of mass's height costs.
+    `height` is what a metre of the centre of mass's height costs.
+
+    Args:
+        shapes: of the robot.
+        at: the contacts over which the limbs are to be clear.
+        middle: (x, y) above which the centre of mass is wanted [m].
+        room: clearance wanted [m].
+        covered: links that the shell holds, which need none.
+        floor: of which limbs are to be clear, too.
+        kinds: of symmetries that the postures have.
     """
 
     height = 1.0

@@ -41,7 +41,7 @@ class RollOff:
         trajectory: all of it, at rest first.
         lying: how it then comes to lie on the floor: one way, two if its turning decides, or none
             if it is not `met` or the rock still holds it.
-        after: the gait that goes on to that side from there, on level ground; or None,
+        after: the gait that goes on from there, on level ground, see `astray`; or None,
         stays: and why there is none.
 
     Example:

@@ -73,11 +73,9 @@ def read_urdf(source: str | Path) -> str:
     try:
         raw = read_bytes(path, markup.MAX_BYTES)
     except FileNotFoundError:
-        by_name = "" if path.suffix or len(path.parts) > 1 else (
-            "; robots of that kind of name come with the extra 'robots': pip install "
-            "example-robot-data-loaders"
-        )  # fmt: skip
-        raise UrdfError(f"there is no URDF file {_name(path)}: check the path{by_name}.") from None
+        named = not path.suffix and len(path.parts) == 1
+        more = "; example robots need pip install example-robot-data-loaders" if named else ""
+        raise UrdfError(f"there is no URDF file {_name(path)}: check the path{more}.") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
         raise UrdfError(f"the URDF file {_name(path)} cannot be read: {reason}.") from None
