@@ -1,12 +1,14 @@
 """The commonest pairs of shell and ground in one loop over lanes each, which makes them fast.
 
-A sphere and an ellipsoid on a plane, a sum of three on level ground, a sphere on a boulder; and,
-after its contact, any other shell on a plane. See `rolling.py` for the equations.
+A sphere and an ellipsoid on a plane, a sum of three on level ground, a sphere on a boulder, all
+inlined into a step; and, after its contact, any other shell on a plane. See `rolling.py` for the
+equations.
 """
 
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.compiled import lanes
@@ -31,7 +33,7 @@ from rrrobot.momentum.lane import (
 )
 
 
-@lanes
+@njit(inline="always")
 def round_on_plane(y, c, row, par, k, stage, center, radius, plane):  # type: ignore[no-untyped-def]
     """s = r n - c, x_dot = r w x n; P_dot = r Omega x n."""
     c0, c1, c2 = center[0], center[1], center[2]
@@ -52,7 +54,7 @@ def round_on_plane(y, c, row, par, k, stage, center, radius, plane):  # type: ig
         along_plane(plane, k, stage, i, r, x0, x1, x2)
 
 
-@lanes
+@njit(inline="always")
 def round_on_boulder(  # type: ignore[no-untyped-def]
     y, c, row, par, k, stage, center, radius, curvature, limit, b
 ):
@@ -84,7 +86,7 @@ def round_on_boulder(  # type: ignore[no-untyped-def]
         k[stage, 7 * LANES + i], k[stage, 8 * LANES + i], _ = in_world(r, x0, x1, x2)
 
 
-@lanes
+@njit(inline="always")
 def ellipsoid_on_plane(y, c, row, par, k, stage, center, terms, plane):  # type: ignore[no-untyped-def]
     """s = e - c, x_dot = (A y - e (e.y))/h with e = A n/h and y = w x n."""
     c0, c1, c2 = center[0], center[1], center[2]
@@ -114,7 +116,7 @@ def ellipsoid_on_plane(y, c, row, par, k, stage, center, terms, plane):  # type:
         along_plane(plane, k, stage, i, r, x0, x1, x2)
 
 
-@lanes
+@njit(inline="always")
 def three_on_level(y, c, row, par, k, stage, center, terms):  # type: ignore[no-untyped-def]
     """Likewise of a sum of three ellipsoids, on level ground: s = sum e - c, x_dot = (sum H) y."""
     c0, c1, c2 = center[0], center[1], center[2]

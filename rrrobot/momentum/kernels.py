@@ -20,9 +20,16 @@ from numba import njit
 from scipy.integrate import DOP853
 
 from rrrobot.momentum.coefficients import LANES
+from rrrobot.momentum.common_pairs import (
+    ellipsoid_on_plane,
+    round_on_boulder,
+    round_on_plane,
+    three_on_level,
+)
 from rrrobot.momentum.compiled import lanes
 from rrrobot.momentum.lane import brake, omega
-from rrrobot.momentum.rolling import rolling_rates
+from rrrobot.momentum.rolling import evaluate_lanes
+from rrrobot.momentum.terrain import BOULDER, ELLIPSOIDS, LEVEL, ROUND, SLOPE
 from rrrobot.momentum.trigonometry import sine_cosine
 
 N_STATE = 10
@@ -94,9 +101,10 @@ def _rates(y, c, row, par, k, stage, travels):  # type: ignore[no-untyped-def]
         s0, s1, s2 = r * zx, r * zy, r * zz
         w0, w1, w2 = omega(y, c, row, i, mass, m0, m1, m2, p0, p1, p2, s0, s1, s2)
         v0, v1, v2 = w1 * s2 - w2 * s1, w2 * s0 - w0 * s2, w0 * s1 - w1 * s0
-        p0 += mass * v0 + w1 * m2 - w2 * m1
-        p1 += mass * v1 + w2 * m0 - w0 * m2
-        p2 += mass * v2 + w0 * m1 - w1 * m0
+        t0, t1, t2 = mass * s0 + m0, mass * s1 + m1, mass * s2 + m2
+        p0 += w1 * t2 - w2 * t1
+        p1 += w2 * t0 - w0 * t2
+        p2 += w0 * t1 - w1 * t0
         k0, k1, k2 = y[4 * LANES + i], y[5 * LANES + i], y[6 * LANES + i]
         f0 = -(w1 * k2 - w2 * k1) - g * (m1 * zz - m2 * zy) - (v1 * p2 - v2 * p1)
         f1 = -(w2 * k0 - w0 * k2) - g * (m2 * zx - m0 * zz) - (v2 * p0 - v0 * p2)
@@ -279,7 +287,40 @@ def step(  # type: ignore[no-untyped-def]
             else:
                 _decoupled_rates(work, table, row, par, slopes, stage)
         else:
-            rolling_rates(work, table, row, par, slopes, stage, terrain, rolling)
+            # Written out: an inlined function would count references to each array of the terrain.
+            if terrain.shell == ROUND and terrain.ground == LEVEL:
+                round_on_plane(
+                    work, table, row, par, slopes, stage, terrain.center, terrain.radius, None
+                )
+            elif terrain.shell == ROUND and terrain.ground == SLOPE:
+                round_on_plane(
+                    work, table, row, par, slopes, stage, terrain.center, terrain.radius,
+                    terrain.plane,
+                )  # fmt: skip
+            elif terrain.shell == ROUND and terrain.ground == BOULDER:
+                round_on_boulder(
+                    work, table, row, par, slopes, stage, terrain.center, terrain.radius,
+                    terrain.curvature, terrain.limit, rolling,
+                )  # fmt: skip
+            elif (
+                terrain.shell == ELLIPSOIDS and terrain.ground == LEVEL and len(terrain.terms) == 1
+            ):
+                ellipsoid_on_plane(
+                    work, table, row, par, slopes, stage, terrain.center, terrain.terms, None
+                )
+            elif (
+                terrain.shell == ELLIPSOIDS and terrain.ground == SLOPE and len(terrain.terms) == 1
+            ):
+                ellipsoid_on_plane(
+                    work, table, row, par, slopes, stage, terrain.center, terrain.terms,
+                    terrain.plane,
+                )  # fmt: skip
+            elif (
+                terrain.shell == ELLIPSOIDS and terrain.ground == LEVEL and len(terrain.terms) == 3
+            ):
+                three_on_level(work, table, row, par, slopes, stage, terrain.center, terrain.terms)
+            else:
+                evaluate_lanes(work, table, row, par, slopes, stage, terrain, rolling)
     if areas is None:
         for e in range(TILT):
             y[e] = work[e]

@@ -67,14 +67,16 @@ def omega(y, c, row, i, mass, m0, m1, m2, p0, p1, p2, s0, s1, s2):  # type: igno
     b0 = y[4 * LANES + i] - c[row, 12 * LANES + i] - (s1 * p2 - s2 * p1)
     b1 = y[5 * LANES + i] - c[row, 13 * LANES + i] - (s2 * p0 - s0 * p2)
     b2 = y[6 * LANES + i] - c[row, 14 * LANES + i] - (s0 * p1 - s1 * p0)
-    # I_P = I + (2 s.mc + M s.s) 1 - (mc s^T + s mc^T) - M s s^T.
-    whole = 2.0 * (m0 * s0 + m1 * s1 + m2 * s2) + mass * (s0 * s0 + s1 * s1 + s2 * s2)
-    i00 = c[row, 3 * LANES + i] + whole - (2.0 * m0 + mass * s0) * s0
-    i11 = c[row, 4 * LANES + i] + whole - (2.0 * m1 + mass * s1) * s1
-    i22 = c[row, 5 * LANES + i] + whole - (2.0 * m2 + mass * s2) * s2
-    i01 = c[row, 6 * LANES + i] - m0 * s1 - s0 * m1 - mass * s0 * s1
-    i02 = c[row, 7 * LANES + i] - m0 * s2 - s0 * m2 - mass * s0 * s2
-    i12 = c[row, 8 * LANES + i] - m1 * s2 - s1 * m2 - mass * s1 * s2
+    # I_P = I + (s.(mc + t)) 1 - (mc s^T + s t^T), with t = M s + mc; it is symmetric.
+    t0, t1, t2 = mass * s0 + m0, mass * s1 + m1, mass * s2 + m2
+    u0, u1, u2 = t0 + m0, t1 + m1, t2 + m2
+    whole = s0 * u0 + s1 * u1 + s2 * u2
+    i00 = c[row, 3 * LANES + i] + whole - s0 * u0
+    i11 = c[row, 4 * LANES + i] + whole - s1 * u1
+    i22 = c[row, 5 * LANES + i] + whole - s2 * u2
+    i01 = c[row, 6 * LANES + i] - m0 * s1 - s0 * t1
+    i02 = c[row, 7 * LANES + i] - m0 * s2 - s0 * t2
+    i12 = c[row, 8 * LANES + i] - m1 * s2 - s1 * t2
     # The symmetric 3 x 3 system is solved by its adjugate.
     a00 = i11 * i22 - i12 * i12
     a01 = i02 * i12 - i01 * i22
@@ -124,19 +126,16 @@ def brake(y, par, k, stage, i, zx, zy, zz, w0, w1, w2, f0, f1, f2):  # type: ign
     """Rates of the quaternion and of yaw of lane i, and of K: a moment f and the damping."""
     qx, qy, qz, qw = y[i], y[LANES + i], y[2 * LANES + i], y[3 * LANES + i]
     # Euler rates, from sin pitch = -zx and cos pitch (sin roll, cos roll) = (zy, zz).
-    over_cos = 1.0 / np.sqrt(zy * zy + zz * zz)
-    sr, cr = zy * over_cos, zz * over_cos
-    tp = -zx * over_cos
-    about = sr * w1 + cr * w2
-    yaw_rate = about * over_cos
-    on_roll = -par[4 * LANES + i] * (w0 + tp * about)
-    on_pitch = -par[5 * LANES + i] * (cr * w1 - sr * w2)
-    lever = tp * on_roll - par[6 * LANES + i] * yaw_rate * over_cos
-    euler = par[7 * LANES + i]
-    body = 1.0 - euler
-    f0 += euler * on_roll - body * par[4 * LANES + i] * w0
-    f1 += euler * (sr * lever + cr * on_pitch) - body * par[5 * LANES + i] * w1
-    f2 += euler * (cr * lever - sr * on_pitch) - body * par[6 * LANES + i] * w2
+    over = 1.0 / (zy * zy + zz * zz)
+    yaw_rate = over * (zy * w1 + zz * w2)
+    euler, d1, d2 = par[7 * LANES + i], par[5 * LANES + i], par[6 * LANES + i]
+    body, share = 1.0 - euler, euler * over
+    on_roll = par[4 * LANES + i] * (w0 - euler * zx * yaw_rate)
+    on_pitch = share * d1 * (zz * w1 - zy * w2)
+    lever = share * (zx * on_roll - d2 * yaw_rate)
+    f0 -= on_roll
+    f1 += zy * lever - zz * on_pitch - body * d1 * w1
+    f2 += zz * lever + zy * on_pitch - body * d2 * w2
     k[stage, i] = 0.5 * (qw * w0 + qy * w2 - qz * w1)
     k[stage, LANES + i] = 0.5 * (qw * w1 + qz * w0 - qx * w2)
     k[stage, 2 * LANES + i] = 0.5 * (qw * w2 + qx * w1 - qy * w0)

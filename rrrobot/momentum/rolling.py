@@ -18,47 +18,12 @@ from __future__ import annotations
 from numba import njit
 
 from rrrobot.momentum.coefficients import LANES
-from rrrobot.momentum.common_pairs import (
-    bent_on_plane,
-    ellipsoid_on_plane,
-    round_on_boulder,
-    round_on_plane,
-    three_on_level,
-)
+from rrrobot.momentum.common_pairs import bent_on_plane
 from rrrobot.momentum.compiled import lanes
 from rrrobot.momentum.contacts import touch_lanes
 from rrrobot.momentum.lane import DET, H, N, P, R, S, W, X, along_plane, finish, velocity
-from rrrobot.momentum.terrain import (
-    BOULDER,
-    ELLIPSOIDS,
-    FLAT,
-    LEVEL,
-    ROUND,
-    SLOPE,
-)
+from rrrobot.momentum.terrain import BOULDER, FLAT, ROUND, SLOPE
 from rrrobot.momentum.uneven import graph_rate
-
-
-@njit(inline="always")
-def rolling_rates(y, c, row, par, k, stage, terrain, b):  # type: ignore[no-untyped-def]
-    """k = dy/dt for every lane; b is the scratch. The common pairs have a loop of their own."""
-    if terrain.shell == ROUND and terrain.ground == LEVEL:
-        round_on_plane(y, c, row, par, k, stage, terrain.center, terrain.radius, None)
-    elif terrain.shell == ROUND and terrain.ground == SLOPE:
-        round_on_plane(y, c, row, par, k, stage, terrain.center, terrain.radius, terrain.plane)
-    elif terrain.shell == ROUND and terrain.ground == BOULDER:
-        round_on_boulder(
-            y, c, row, par, k, stage, terrain.center, terrain.radius, terrain.curvature,
-            terrain.limit, b,
-        )  # fmt: skip
-    elif terrain.shell == ELLIPSOIDS and terrain.ground == LEVEL and len(terrain.terms) == 1:
-        ellipsoid_on_plane(y, c, row, par, k, stage, terrain.center, terrain.terms, None)
-    elif terrain.shell == ELLIPSOIDS and terrain.ground == SLOPE and len(terrain.terms) == 1:
-        ellipsoid_on_plane(y, c, row, par, k, stage, terrain.center, terrain.terms, terrain.plane)
-    elif terrain.shell == ELLIPSOIDS and terrain.ground == LEVEL and len(terrain.terms) == 3:
-        three_on_level(y, c, row, par, k, stage, terrain.center, terrain.terms)
-    else:
-        evaluate_lanes(y, c, row, par, k, stage, terrain, b)
 
 
 @njit(inline="always")
