@@ -106,6 +106,14 @@ def test_on_a_boulder_it_circles_the_top(radius, gait):
     assert c.yaw_rate == pytest.approx(middle.yaw_rate, rel=1e-6)
 
 
+@pytest.mark.parametrize("radius", np.linspace(0.7, 1.5, 9).round(3))
+def test_a_bowl_s_unstable_circles_are_found_at_every_radius(radius):
+    """From rest and where it settles Broyden's steps go astray, where depends on rounding."""
+    c = rr.limit_cycle(rr.FullModel(ROBOT, ground=rr.Boulder(-radius)), LATERAL)
+    np.testing.assert_allclose(c.centre, 0.0, atol=1e-9)
+    assert abs(c.multipliers[0]) == pytest.approx(1.0045, abs=7e-4)
+
+
 def test_a_wide_bowl_and_a_wide_boulder_are_level_ground():
     level = rr.limit_cycle(rr.FullModel(ROBOT), CIRCULAR)
     wide = [

@@ -15,7 +15,7 @@ from rrrobot.momentum.batch import Setting, decoupled_setting, lower
 from rrrobot.momentum.newton import TOLERANCE
 from rrrobot.momentum.returns import Cycles, Seen, carry, cycles_of_gait, replicated
 from rrrobot.orbits.measures import Measures, look, measures
-from rrrobot.orbits.newton import ReturnMap, derivative, iterate, return_map
+from rrrobot.orbits.newton import ReturnMap, derivative, descend, iterate, return_map
 from rrrobot.orbits.section import Section, section_of
 
 LONGEST_STEP = 0.025
@@ -234,10 +234,10 @@ def _searched(case: Case, P: ReturnMap, start: Array | None) -> tuple[Array, Arr
         roots = iterate(P, x)
         spent += int(roots.iterations[0])
         if not roots.found[0] and np.isfinite(roots.residual[0]):
-            # Broyden's matrix may have lost its way: a second time from there.
-            again = iterate(P, roots.point, limit=60)
-            spent += int(again.iterations[0])
-            roots = again
+            # Broyden's matrix has lost its way: steps that always lead down, then once more.
+            below, periods = descend(P, x)
+            roots = iterate(P, below)
+            spent += periods + int(roots.iterations[0])
         if roots.found[0]:
             return roots.point, roots.inverse, spent
         worst = min(worst, float(roots.residual[0]))
