@@ -246,13 +246,26 @@ def test_rocks() -> None:
         assert data["end"]["position"] == t.position[-1].tolist()
 
 
+def test_a_grid_of_heights(tmp_path: Path) -> None:
+    heights = ["0," + ",".join(f"{0.2 * j - 1:.1f}" for j in range(11))]
+    heights += [f"{0.2 * i - 1:.1f}" + f",{0.02 * i}" * 11 for i in range(11)]
+    (tmp_path / "hill.csv").write_text("\n".join(heights))
+    # Heights that rise evenly are a slope.
+    data = simulated(*SHORT, "--ground", f"grid:{tmp_path / 'hill.csv'}")
+    model = rr.FullModel(rr.Robot.from_parameters(), ground=rr.Plane((-0.1, 0, 1)))
+    wanted = rr.simulate(model, rr.gait("lateral"), 0.5).euler[-1]
+    assert data["end"]["euler"] == pytest.approx(wanted, abs=1e-9)
+    result = run("simulate", *SHORT, "--ground", f"grid:{tmp_path / 'none.csv'}")
+    assert result.exit_code == 1 and "none.csv" in result.output
+
+
 def test_a_kind_of_damping_needs_its_size_on_other_robots() -> None:
     urdf = ("--urdf", URDF, "--shell-radius", "0.12")
     result = run("simulate", *SHORT, *urdf, "--damping-kind", "body")
     assert result.exit_code == 2 and "--damping-kind needs --damping" in result.output
 
 
-@pytest.mark.parametrize("text", ["moon", "slope", "slope:90", "slope:x", "plane:1,2", "level:1"])
+@pytest.mark.parametrize("text", ["moon", "slope", "slope:90", "slope:x", "plane:1,2", "level:1", "grid"])
 def test_no_grounds(text: str) -> None:
     result = run("simulate", "--ground", text)
     assert result.exit_code == 2

@@ -302,3 +302,69 @@ def test_what_is_wrong_is_named():
 
     with pytest.raises(rr.RRRobotError, match="contact is not the gradient"):
         rr.contact.check_convex(Wrong())
+
+
+AXIS = np.linspace(-1.0, 1.0, 21)
+HILLS = 0.02 * np.sin(3 * AXIS)[:, None] * np.cos(2 * AXIS)
+
+
+@pytest.mark.parametrize(
+    ("x", "heights", "said"),
+    [
+        (AXIS[::-1], HILLS, "0.9 comes after 1. Sort it"),
+        (np.where(AXIS > 0.9, np.nan, AXIS), HILLS, "nan is no place"),
+        (np.meshgrid(AXIS, AXIS)[0], HILLS, r"it has shape \(21, 21\)"),
+        (AXIS**3, HILLS, "its steps are from 0.001 to 0.271"),
+        (AXIS, HILLS[:20], r"it must be \(21, 21\)"),
+        (AXIS, np.where(np.eye(21) * AXIS > 0.55, np.nan, HILLS), "5 of the 441 .* x = 0.6 m"),
+        (AXIS, [[1.0, 2.0], [3.0]], "heights must be an array of numbers"),
+        (["a"] * 6, HILLS, "x must be an array of numbers"),
+    ],
+)
+def test_a_grid_of_heights_that_is_none_is_named(x, heights, said):
+    with pytest.raises(rr.ParameterError, match=said):
+        rr.Graph.from_grid(x, AXIS, heights)
+
+
+def test_a_grid_is_read_from_a_table_of_few_digits(tmp_path):
+    table = np.zeros((22, 31))
+    table[1:, 0], table[0, 1:] = np.linspace(0, 1 / 3, 21), np.linspace(-1, 1, 30)
+    table[1:, 1:] = 0.1 * np.multiply.outer(table[1:, 0], table[0, 1:])
+    np.savetxt(tmp_path / "hills.csv", table, delimiter=",", fmt="%.5g")
+    ground = rr.Graph.from_file(tmp_path / "hills.csv")
+    assert ground.point(np.array((0.2, 0.5)))[2] == pytest.approx(0.01, abs=1e-5)
+    table[3, 4] = np.nan
+    np.savetxt(tmp_path / "holes.csv", table, delimiter=",")
+    for name, said in (("holes.csv", "1 of the 630 heights"), ("no.csv", "no grid of heights")):
+        with pytest.raises(rr.ParameterError, match=f"{name}.*{said}|{said}.*{name}"):
+            rr.Graph.from_file(tmp_path / name)
+
+
+def test_distances_from_a_graph_are_those_of_its_points():
+    """Of grids by their splines at once, of formulas by the table once it is there."""
+    formula = rr.Graph(GRAPH.height, GRAPH.gradient, GRAPH.hessian)
+    grid = rr.Graph.from_grid(AXIS, AXIS, HILLS)
+    points = np.random.default_rng(0).uniform(-1.2, 1.2, (50, 3))
+    for ground in (grid, formula, BOULDER):
+        each = [ground.distance(point) for point in points]
+        np.testing.assert_allclose(ground.distances(points), each, atol=1e-12)
+    formula.table()
+    near = 0.8 * points
+    each = [formula.distance(point) for point in near]
+    np.testing.assert_allclose(formula.distances(near), each, atol=1e-11)
+    assert np.ptp(each) > 0.5
+
+
+@pytest.mark.parametrize("method", ["kkt", "momentum"])
+def test_a_start_where_nothing_rolls_is_refused(method):
+    grid = rr.Graph.from_grid(AXIS + 3, AXIS, HILLS)
+    hollow = rr.Graph(
+        lambda x, y: 5 * (x * x + y * y),
+        lambda x, y: (10 * x, 10 * y),
+        lambda x, y: ((10.0, 0.0), (0.0, 10.0)),
+    )
+    for ground, said in ((grid, "edge of the grid"), (hollow, "tighter than the shell")):
+        with pytest.raises(rr.ModelError, match=f"cannot start at.*{said}"):
+            rr.simulate(model(SP, ground), GAIT, 0.1, method=method)
+    t = rr.simulate(model(SP, grid), GAIT, 0.1, method=method, position=(3.0, 0.0))
+    assert t.time[-1] == 0.1

@@ -114,3 +114,18 @@ def test_a_dome_rests_on_a_slope_with_its_mass_over_the_contact(degrees):
     np.testing.assert_allclose(center[:2], contact[:2], atol=1e-9)
     # It leans with the slope, by no more than twice as much.
     assert 1.0 < -belly.rest[1] / angle < 2.0
+
+
+@pytest.mark.parametrize("azimuth", [1.5, 5.0, 5.5])
+def test_a_dome_across_a_slope_drifts_and_does_not_tip(azimuth):
+    """Turning in place costs nothing: a double zero, which rounding splits into +-s."""
+    angle = np.deg2rad(5.0)
+    normal = np.array((np.cos(azimuth), np.sin(azimuth), 1 / np.tan(angle)))
+    level = rr.fit_belly(legged_urdf(4))
+    model = rr.FullModel(level.robot, ground=rr.Plane(normal), damping=None)
+    rest = rest_of(model, level.posture)
+    assert rest.stable
+    assert [m.decay_rate for m in rest.modes if np.isinf(m.period)] == [0.0, 0.0]
+    # It stays where it is put.
+    t = rr.simulate(model, rr.StillLegs(level.posture), 20.0, euler=rest.euler, start="rest")
+    assert np.abs(t.euler - rest.euler).max() < 1e-6

@@ -142,9 +142,8 @@ def _from_ground(gauge: Gauge, ground: Ground, rotation: Array, place: Array) ->
 
 
 def _from_uneven(piece: Piece, ground: Ground, rotation: Array, place: Array) -> Array:
-    out = np.empty(len(place))
-    for k, (turn, at) in enumerate(zip(rotation, place, strict=True)):
-        points = piece.points @ turn.T + at
-        lowest = points[np.argsort(points[:, 2])[:_LOWEST]]
-        out[k] = min(ground.distance(p) for p in lowest) - piece.radius
-    return out
+    points = piece.points @ np.swapaxes(rotation, 1, 2) + place[:, None, :]
+    order = np.argsort(points[:, :, 2], axis=1)[:, :_LOWEST, None]
+    lowest = np.take_along_axis(points, order, axis=1)
+    found = ground.distances(lowest.reshape(-1, 3)).reshape(lowest.shape[:2])
+    return np.asarray(found.min(axis=1) - piece.radius)

@@ -81,7 +81,7 @@ class Boulder(Ground):
         if across < 1.0 - LOWEST_NORMAL**2:
             return None
         kind = "boulder" if self.radius > 0 else "bowl"
-        return f"the contact came to the {kind}'s equator, where the ground is vertical"
+        return f"the contact is at the {kind}'s equator, where the ground is vertical"
 
     def to_dict(self) -> dict[str, Any]:
         return {"type": "boulder", "radius": self.radius, "gravity": self.gravity}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from math import sqrt
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,6 +22,8 @@ _AGREE = 1e-6
 _MARGIN = 40
 """Cells beyond the reach; what the spline's ends do wrong dies out by a factor of 2.3 in each."""
 _FINEST = 700
+_UNEVEN = 1e-3
+"""Of a step: how far an entry of an axis may be from its place, as tables are rounded."""
 _ERROR = 1e-9
 """Of the tabulated second derivatives [1/m]."""
 
@@ -75,12 +78,13 @@ class Graph(Ground):
         """The quintic spline through a grid of heights.
 
         Args:
-            x, y: equally spaced, increasing (nx,), (ny,) [m], at least 6 each.
+            x, y: equally spaced to a thousandth of a step, increasing (nx,), (ny,) [m], at least 6
+                each.
             heights: f(x_i, y_j) (nx, ny) [m].
             gravity: see `Ground`.
 
         Raises:
-            ParameterError: fewer, not equally spaced, not finite, or another shape.
+            ParameterError: no numbers, fewer, not equally spaced, not finite, or another shape.
 
         Example:
             >>> import numpy as np, rrrobot as rr
@@ -90,15 +94,57 @@ class Graph(Ground):
             np.float64(-0.1)
         """
         axes = [_even(name, values) for name, values in (("x", x), ("y", y))]
-        grid = np.asarray(heights, dtype=float)
-        if grid.shape != (axes[0].size, axes[1].size) or not np.all(np.isfinite(grid)):
+        grid = _numbers("heights", heights)
+        if grid.shape != (axes[0].size, axes[1].size):
             raise ParameterError(
                 f"heights has shape {grid.shape}: it must be ({axes[0].size}, {axes[1].size}), one "
-                "for each x and y, and finite."
+                "for each x and y."
+            )
+        if (holes := np.argwhere(~np.isfinite(grid))).size:
+            i, j = holes[0]
+            raise ParameterError(
+                f"{len(holes)} of the {grid.size} heights are not finite, the first at x = "
+                f"{axes[0][i]:g} m, y = {axes[1][j]:g} m: fill them from their neighbours, or cut "
+                "the grid down to where it is whole."
             )
         corner = np.array([a[0] for a in axes])
         spacing = np.array([(a[-1] - a[0]) / (a.size - 1) for a in axes])
         return cls._of(fit(corner, spacing, grid), gravity)
+
+    @classmethod
+    def from_file(cls, path: str | Path, *, gravity: float | None = None) -> Graph:
+        """The grid of heights in a table of numbers parted by commas.
+
+        The first row holds y and the first column x, both increasing and equally spaced [m]; the
+        entry below a y and right of an x is the height there [m]. The first entry of all does not
+        count.
+
+        Args:
+            path: of the file.
+            gravity: see `Ground`.
+
+        Raises:
+            ParameterError: no such file, no such table, or as `from_grid` raises.
+
+        Example:
+            >>> import pathlib, rrrobot as rr
+            >>> rows = ["x/y," + ",".join(f"{0.1 * j}" for j in range(6))]
+            >>> rows += [f"{0.1 * i}" + ",0.02" * 6 for i in range(6)]
+            >>> _ = pathlib.Path("heights.csv").write_text("\n".join(rows))
+            >>> rr.Graph.from_file("heights.csv")
+            Graph.from_grid(x=0 .. 0.5, y=0 .. 0.5)
+        """
+        try:
+            table = np.genfromtxt(path, delimiter=",", ndmin=2)
+        except (OSError, ValueError) as error:
+            raise ParameterError(
+                f"no grid of heights can be read from {str(path)!r}: {str(error).rstrip('.')}. It must be "
+                "a table parted by commas, y in its first row and x in its first column."
+            ) from None
+        try:
+            return cls.from_grid(table[1:, 0], table[0, 1:], table[1:, 1:], gravity=gravity)
+        except ParameterError as error:
+            raise ParameterError(f"{str(path)!r}: {error}") from None
 
     @classmethod
     def _of(cls, grid: Surface2, gravity: float | None) -> Graph:
@@ -181,10 +227,17 @@ class Graph(Ground):
     def distance(self, point: Array) -> float:
         return float((point[2] - self.point(point[:2])[2]) * self.normal(point)[2])
 
+    def distances(self, points: Array) -> Array:
+        spline = self._grid if self._grid is not None else self._table
+        if spline is None or (self._grid is None and not spline.holds(points[:, :2])):
+            return super().distances(points)
+        height, slope = spline.values(points[:, :2])
+        return np.asarray((points[:, 2] - height) / np.sqrt(1.0 + np.sum(slope**2, axis=1)))
+
     def leaves(self, coordinates: Array) -> str | None:
         if self._grid is None or self._grid.holds(coordinates):
             return None
-        return "the contact came to the edge of the grid of heights"
+        return "the contact is at the edge of the grid of heights"
 
     def table(self) -> Surface2:
         """The ground as a quintic spline within its reach, for the fast form.
@@ -261,12 +314,30 @@ def _remake(height: Any, gradient: Any, hessian: Any, reach: float, gravity: flo
     return Graph(height, gradient, hessian, reach=reach, gravity=gravity)
 
 
+def _numbers(name: str, values: ArrayLike) -> Array:
+    try:
+        return np.asarray(values, dtype=float)
+    except (TypeError, ValueError) as error:
+        raise ParameterError(f"{name} must be an array of numbers: {error}.") from None
+
+
 def _even(name: str, values: ArrayLike) -> Array:
-    axis = np.asarray(values, dtype=float)
+    axis = _numbers(name, values)
     steps = np.diff(axis) if axis.ndim == 1 else np.zeros(0)
-    if axis.size < 6 or not np.all(steps > 0) or np.ptp(steps) > 1e-9 * steps.max():
-        raise ParameterError(
-            f"{name} must hold at least 6 increasing, equally spaced numbers [m]; it has shape "
-            f"{axis.shape}. Resample the heights onto an even grid."
+    if axis.ndim != 1 or axis.size < 6:
+        fault = f"it has shape {axis.shape}"
+    elif not np.all(np.isfinite(axis)):
+        fault = f"{axis[~np.isfinite(axis)][0]} is no place"
+    elif not np.all(steps > 0):
+        k = int(np.argmin(steps > 0))
+        fault = f"{axis[k + 1]:g} comes after {axis[k]:g}. Sort it, and the heights with it"
+    elif np.abs(axis - np.linspace(axis[0], axis[-1], axis.size)).max() > _UNEVEN * steps.mean():
+        fault = (
+            f"its steps are from {steps.min():.6g} to {steps.max():.6g}. Resample the heights onto "
+            "an even grid"
         )
-    return axis
+    else:
+        return axis
+    raise ParameterError(
+        f"{name} must hold at least 6 increasing, equally spaced numbers [m]: {fault}."
+    )

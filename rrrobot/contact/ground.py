@@ -61,6 +61,10 @@ class Ground(ABC):
     def distance(self, point: Array) -> float:
         """Distance of any point near the ground from it [m], above zero outside; to first order."""
 
+    def distances(self, points: Array) -> Array:
+        """`distance` of points (n, 3) from the ground (n,) [m]."""
+        return np.array([self.distance(point) for point in points])
+
     def leaves(self, coordinates: Array) -> str | None:
         """Why a contact at these coordinates (2,) is past what the ground describes, or None."""
         return None

@@ -7,6 +7,7 @@ compiled engine evaluates.
 
 from __future__ import annotations
 
+import math
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,6 +35,18 @@ def _weight_polynomials() -> Array:
 
 WEIGHTS = _weight_polynomials()
 """(6, 6): weight j of a cell is the sum over p of WEIGHTS[j, p] t^p."""
+
+
+def _derivatives() -> Array:
+    """Entry [d, j, p]: of t^p in the d-th derivative of weight j (3, 6, 6)."""
+    found = np.zeros((3, _N, _N))
+    found[0] = WEIGHTS
+    for d in (1, 2):
+        found[d, :, :-1] = found[d - 1, :, 1:] * np.arange(1, _N)
+    return found
+
+
+_DERIVATIVES = _derivatives()
 
 
 class Surface2(NamedTuple):
@@ -71,6 +84,19 @@ class Surface2(NamedTuple):
         cross = x[1] @ block @ y[1]
         return np.array(((x[2] @ block @ y[0], cross), (cross, x[0] @ block @ y[2])))
 
+    def values(self, at: Array) -> tuple[Array, Array]:
+        """f (n,) and (f_x, f_y) (n, 2) at places (n, 2)."""
+        where = (at - self.corner) / self.spacing
+        cell = np.clip(np.floor(where), 0, np.array(self.table.shape) - _N).astype(int)
+        blocks = np.lib.stride_tricks.sliding_window_view(self.table, (_N, _N))
+        near = blocks[cell[:, 0], cell[:, 1]]
+        powers = (where - cell)[..., None] ** np.arange(_N)
+        x, y = np.moveaxis(powers @ _DERIVATIVES[0].T, 1, 0)
+        dx, dy = np.moveaxis(powers @ _DERIVATIVES[1].T / self.spacing[:, None], 1, 0)
+        across = np.einsum("nij,nj->ni", near, y)
+        slope = np.sum(dx * across, axis=1), np.einsum("ni,nij,nj->n", x, near, dy)
+        return np.sum(x * across, axis=1), np.column_stack(slope)
+
     def rows(self) -> Array:
         """The spline across each cell in y, as powers of u from 0 to 1 (knots in x, cells in y, 6).
 
@@ -81,22 +107,17 @@ class Surface2(NamedTuple):
 
     def _near(self, at: Array) -> tuple[Array, Array, Array]:
         """Coefficients around a place, and the weights' derivatives 0, 1, 2 in x and y (3, 6)."""
-        where = (at - self.corner) / self.spacing
-        last = np.array(self.table.shape) - _N
-        cell = np.clip(np.floor(where), 0, last).astype(int)
-        i, j = cell
-        x, y = (_weights(t, h) for t, h in zip(where - cell, self.spacing, strict=True))
-        return self.table[i : i + _N, j : j + _N], x, y
-
-
-def _weights(t: float, spacing: float) -> Array:
-    """Weights of a cell's six knots and their first two derivatives at t in [0, 1] (3, 6)."""
-    p = np.arange(_N)
-    powers = np.zeros((3, _N))
-    powers[0] = t**p
-    powers[1, 1:] = p[1:] * powers[0, :-1] / spacing
-    powers[2, 2:] = p[2:] * (p[2:] - 1) * powers[0, :-2] / spacing**2
-    return powers @ WEIGHTS.T
+        cells, weights = [], []
+        for k in (0, 1):
+            h = float(self.spacing[k])
+            where = float(at[k] - self.corner[k]) / h
+            cell = min(max(math.floor(where), 0), self.table.shape[k] - _N)
+            t = where - cell
+            powers = np.array((1.0, t, t * t, t**3, t**4, t**5))
+            weights.append(_DERIVATIVES @ powers / np.array(((1.0,), (h,), (h * h,))))
+            cells.append(cell)
+        i, j = cells
+        return self.table[i : i + _N, j : j + _N], weights[0], weights[1]
 
 
 def fit(corner: Array, spacing: Array, values: Array) -> Surface2:

@@ -122,7 +122,7 @@ def trouble(surface: Surface, ground: Ground, rotation: Array, coordinates: Arra
     """
     if isinstance(surface, FlatBelly):
         if not surface.holds(coordinates):
-            return "the contact came to the edge of the flat belly"
+            return "the contact is at the edge of the flat belly"
         return ground.leaves(_foot(ground, rotation[:, 2])[:2])
     left = ground.leaves(coordinates)
     if left is not None or ground.fixed_normal is not None:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from rrrobot.contact.boulder import Boulder
+from rrrobot.contact.boulder import Boulder, is_rock
 from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.shells import FlatBelly
 from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
@@ -30,7 +30,7 @@ def _sizes(shell: Surface) -> str:
 def _ground(ground: Ground) -> str:
     """A ground in words."""
     if isinstance(ground, Boulder):
-        return f"a boulder of radius {ground.radius:g} m"
+        return f"a {'boulder' if is_rock(ground) else 'bowl'} of radius {abs(ground.radius):g} m"
     if isinstance(ground, Plane):
         steep = np.rad2deg(np.arccos(np.clip(ground.normal(np.zeros(3))[2], -1.0, 1.0)))
         return f"a slope of {steep:.1f} deg" if steep > 1e-6 else "level"

@@ -30,7 +30,7 @@ from rrrobot.simulation.trajectory import Trajectory
 
 _STEP = 1e-3
 _AT_REST = 1e-7  # rad/s^2
-_ZERO_EIGENVALUE = 1e-6  # 1/s, or of the largest; a double zero splits by the root of rounding
+_ZERO_EIGENVALUE = 1e-5  # 1/s, or of the largest; a double zero splits by the root of rounding
 _AXES = ("roll", "pitch", "yaw")
 
 

@@ -21,6 +21,7 @@ from rrrobot.drive.torques import LegTorques
 from rrrobot.errors import GaitError, ModelError, ParameterError
 from rrrobot.integrate import ATOL, RTOL, Integration, Stepping, Watch, integrate
 from rrrobot.models.base import Model
+from rrrobot.models.full import FullModel
 from rrrobot.models.recombined import NEEDS_GAIT, DecoupledModels
 from rrrobot.models.terms import Dynamics, Placement
 from rrrobot.progress import Progress, Tell, progress_of
@@ -135,7 +136,8 @@ class Flow:
 
         Raises:
             GaitError: the gait is not finite there.
-            ModelError: the start asks for motion about an axis that the model locks.
+            ModelError: the start asks for motion about an axis that the model locks, or the contact
+                there is not one that rolls.
         """
         model, drive = self.model, self.drive
         angles = vector("euler", euler, 3, "rad", labels=("roll", "pitch", "yaw"))
@@ -143,6 +145,11 @@ class Flow:
         point = vector("position", position, 2, "m")
         time = finite("time", time, "s")
         pose = model.make_pose(angles, point)
+        if isinstance(model, FullModel) and (trouble := model.trouble(pose)) is not None:
+            raise ModelError(
+                f"the robot cannot start at the position {point.tolist()} m: {trouble}. Start "
+                "elsewhere with position=."
+            )
         if isinstance(drive, LegTorques):
             leg, rate = drive.angle, drive.rate
             rest: tuple[Array, ...] = (leg, rate)

@@ -13,6 +13,7 @@ import click
 from rrrobot.cli.options.group import Group, option
 from rrrobot.cli.types import NUMBER, PER_LEG, Numbers, names, parse_number
 from rrrobot.contact.boulder import Boulder
+from rrrobot.contact.graph import Graph
 from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.surfaces import Sphere
 from rrrobot.drive.damping import BodyRateDamping, DampingLike, EulerRateDamping
@@ -133,13 +134,13 @@ class GroundKind(NamedTuple):
 
     Attributes:
         form: how it is written.
-        numbers: how many stand after the colon.
-        make: of these numbers and the gravity.
+        numbers: how many stand after the colon; None takes a text.
+        make: of these numbers, or the text alone, and the gravity.
     """
 
     form: str
-    numbers: int
-    make: Callable[[tuple[float, ...], float | None], Ground]
+    numbers: int | None
+    make: Callable[[tuple[Any, ...], float | None], Ground]
 
 
 def _slope(numbers: tuple[float, ...], gravity: float | None) -> Ground:
@@ -153,6 +154,7 @@ GROUNDS = {
     "plane": GroundKind("plane:NX,NY,NZ", 3, lambda n, gravity: Plane(n, gravity=gravity)),
     "boulder": GroundKind("boulder:R", 1, lambda r, gravity: Boulder(r[0], gravity=gravity)),
     "bowl": GroundKind("bowl:R", 1, lambda r, gravity: Boulder(-r[0], gravity=gravity)),
+    "grid": GroundKind("grid:FILE", None, lambda f, g: Graph.from_file(f[0], gravity=g)),
 }
 """What --ground takes; a new ground is one entry."""
 
@@ -161,7 +163,7 @@ class GroundChoice(NamedTuple):
     """A ground as it was written."""
 
     kind: str
-    numbers: tuple[float, ...]
+    numbers: tuple[Any, ...]
 
 
 class GroundType(_ParamType):
@@ -176,11 +178,13 @@ class GroundType(_ParamType):
         forms = ", ".join(kind.form for kind in GROUNDS.values())
         if word not in GROUNDS:
             self.fail(f"{value!r} is no ground: write one of {forms}.", param, ctx)
+        kind = GROUNDS[word]
+        if kind.numbers is None and text:
+            return GroundChoice(word, (text,))
         try:
             numbers = tuple(parse_number(entry) for entry in text.split(",")) if text else ()
         except ValueError as error:
             self.fail(str(error), param, ctx)
-        kind = GROUNDS[word]
         if len(numbers) != kind.numbers or (word == "slope" and not abs(numbers[0]) < 90):
             self.fail(f"{value!r} is no {word} ground: write {kind.form}.", param, ctx)
         return GroundChoice(word, numbers)
@@ -197,7 +201,8 @@ class GroundOptions(Group):
         show_default=True,
         metavar="|".join(kind.form for kind in GROUNDS.values()),
         help="A slope rises along x; a plane has this normal; a boulder or a bowl is a sphere of "
-        "this radius [m], and the robot starts on its top or its bottom. Gravity stays along -z.",
+        "this radius [m], and the robot starts on its top or its bottom; a grid is a .csv file of heights "
+        "[m], y in its first row and x in its first column. Gravity stays along -z.",
     )
 
     def build(self, robot: RobotOptions) -> Ground:
