@@ -283,3 +283,35 @@ def test_every_quadruped_has_a_belly(name):
         assert belly.stable and belly.reason == "", (name, ground, belly.reason)
         assert belly.rolling_range.least > np.deg2rad(3)
         assert belly.margin.min() > 0.1 and belly.separation > 0 and belly.clearance > 0
+
+
+def test_an_own_shell_is_taken_where_it_is():
+    """A dome of a radius, its lowest point so far below the flat underside, off the middle."""
+    radius, below, aside = 0.8, 0.005, (0.01, -0.005)
+    center = (*aside, radius - below - HEIGHT / 2)
+    own = rr.Robot.from_urdf(board(arms=False), shell=rr.Sphere(radius), shell_center=center)
+    belly = rr.fit_belly(own, form="own")
+    assert belly.kind == "dome" and belly.form == "own" and belly.shell == own.shell
+    assert belly.center == pytest.approx(center, abs=1e-15)
+    assert belly.thickness == pytest.approx(below, abs=1e-12)
+    # Where a tilt (rolled from below the centre) brings a corner to the ground.
+    corner = np.array((LENGTH, WIDTH)) / 2
+    for azimuth, half, at in zip((0.0, np.pi / 2), corner, aside, strict=True):
+        end = belly.rolling_range.at(azimuth)
+        reach = radius - (half - at) * np.sin(end) - (radius - below) * np.cos(end)
+        assert reach == pytest.approx(-5e-4, abs=2e-5), azimuth
+    # Of a ball that is the robot's own, the fit and the own shell are the same.
+    ball = rr.Robot.from_parameters()
+    fitted, same = rr.fit_belly(ball, posture=1.5), rr.fit_belly(ball, form="own", posture=1.5)
+    assert same.kind == "round" and [m.period for m in same.modes] == [
+        m.period for m in fitted.modes
+    ]
+    assert same.rest == pytest.approx(fitted.rest, abs=1e-12)
+
+
+def test_an_own_shell_that_is_none_is_refused():
+    turned = rr.Robot.from_urdf(board(), shell=rr.Ellipsoid((1, 2, 3)), shell_rpy=(0, 0, 0.1))
+    flat = rr.Robot.from_urdf(board(), shell=rr.FlatBelly(0.2, 0.1), shell_center=(0, 0, -0.05))
+    for own, said in ((turned, "turned against"), (flat, "is flat"), (board(), "of a Robot")):
+        with pytest.raises(rr.ShellError, match=said):
+            rr.fit_belly(own, form="own", ground=rr.Boulder(1.0))

@@ -265,7 +265,9 @@ def test_a_kind_of_damping_needs_its_size_on_other_robots() -> None:
     assert result.exit_code == 2 and "--damping-kind needs --damping" in result.output
 
 
-@pytest.mark.parametrize("text", ["moon", "slope", "slope:90", "slope:x", "plane:1,2", "level:1", "grid"])
+@pytest.mark.parametrize(
+    "text", ["moon", "slope", "slope:90", "slope:x", "plane:1,2", "level:1", "grid"]
+)
 def test_no_grounds(text: str) -> None:
     result = run("simulate", "--ground", text)
     assert result.exit_code == 2

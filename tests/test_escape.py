@@ -24,6 +24,7 @@ from rrrobot.escape.spaces import spaces, symmetric
 from rrrobot.momentum.tree import tree_of
 from rrrobot.robot.limits import JointEnds
 from tests.some import some
+from tests.terrain import Egg
 from tests.test_belly import board
 
 UP = np.array((0.0, 2.7, 0.3) * 2)
@@ -417,6 +418,18 @@ def test_a_robot_that_tips_is_told(biped):
         rocking_damping(rr.FullModel(high, damping=None), UP, 0.1)
     with pytest.raises(rr.ModelError, match="needs one of at most"):
         rocking_damping(rr.FullModel(biped, damping=None), UP, 0.7)
+
+
+@pytest.mark.slow
+def test_a_robot_on_an_egg_of_one_s_own_gets_free():
+    """A support function with an odd part: searched by the engine, confirmed by the KKT system."""
+    robot = rr.Robot.from_urdf(
+        rr.urdf_path("rrrobot"), shell=Egg(0.12, 0.03), legs=("leg_1", "leg_2")
+    )
+    found = rr.unstick(rr.fit_belly(robot, form="own"), goals=["forward"], budget=400, postures=1)
+    best = found.best("forward")
+    assert best.met and best.value > 5e-3 and best.discrepancy < 1e-3
+    assert best.trajectory.robot.shell is robot.shell
 
 
 def test_groups_that_do_not_exist_are_refused(biped):

@@ -304,6 +304,28 @@ def test_what_is_wrong_is_named():
         rr.contact.check_convex(Wrong())
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "said"),
+    [
+        ("support", lambda u: 1 / 0, "support a number, .*ZeroDivisionError"),
+        ("contact", lambda u: [0.0, 0.1], "contact .*TypeError"),
+        ("contact", lambda u: np.full(3, np.nan), "contact is not finite"),
+        ("hessian", lambda u: np.full((3, 3), np.inf), "hessian is not finite"),
+    ],
+)
+def test_functions_of_a_shell_that_fail_are_named(name, value, said):
+    shell = Egg(0.12, 0.03)
+    setattr(shell, name, value)
+    with pytest.raises(rr.ShellError, match=said):
+        replace(model(SP, LEVEL).robot, shell=shell)
+
+
+def test_a_radius_below_zero_is_seen():
+    """Of an egg with too large an odd part, at its blunt end: a + e (6 c - 8 c^3) with c = 1."""
+    assert Egg(0.12, 0.07).principal_radii(np.array((2.0, 0.0, 0.0))) == pytest.approx([-0.02] * 2)
+    assert Egg(0.12, 0.03).principal_radii(np.array((2.0, 0.0, 0.0))) == pytest.approx([0.06] * 2)
+
+
 AXIS = np.linspace(-1.0, 1.0, 21)
 HILLS = 0.02 * np.sin(3 * AXIS)[:, None] * np.cos(2 * AXIS)
 

@@ -10,7 +10,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike
 
-from rrrobot.belly.fitting import FORMS, Fit, ball_of, cone, fit_form
+from rrrobot.belly.fitting import FORMS, Fit, ball_of, cone, fit_form, own_fit
 from rrrobot.belly.found import Belly
 from rrrobot.belly.placed import Gauge, floors, placed, touches, with_shell
 from rrrobot.belly.posture import Posture, Search, find_posture, judged
@@ -61,10 +61,10 @@ def fit_belly(
     underside is taken as it is.
 
     Args:
-        robot: a Robot, whose own shell does not count; the path of a URDF; or the name of one of
-            `robot.example_robots()`.
+        robot: a Robot; the path of a URDF; or the name of one of `robot.example_robots()`.
         form: "sphere", "ellipsoid", "box" (the sum of two ellipsoids) or "flat"; "auto" takes the
-            simplest that does.
+            simplest that does. "own" takes a Robot's shell as it is, any `Surface` with its frame
+            along the base's axes: a dome that is built, or of a shape of one's own.
         ground: what it lies on; level ground unless given.
         posture: legs (legs,) [rad]; searched for unless given: limbs clear of the ground and
             of each other, the centre of mass as low as that allows.
@@ -76,7 +76,7 @@ def fit_belly(
 
     Raises:
         ShellError: the base has no shape; a flat belly on ground that is no boulder, or without a
-            flat face below the centre of mass.
+            flat face below the centre of mass; an own shell that is turned, flat or none.
         ParameterError: a number or a word out of range.
 
     Warns:
@@ -88,8 +88,13 @@ def fit_belly(
         >>> belly.kind, belly.form, round(belly.shell.radius, 4)
         ('round', 'sphere', 0.12)
     """
-    if form not in (*FORMS, "flat", "auto"):
-        raise ParameterError(f"form is {form!r}: it must be auto, {', '.join(FORMS)} or flat.")
+    if form not in (*FORMS, "flat", "own", "auto"):
+        raise ParameterError(f"form is {form!r}: it must be auto, {', '.join(FORMS)}, flat or own.")
+    if form == "own" and not isinstance(robot, Robot):
+        raise ShellError(
+            f"form='own' takes the shell of a Robot, and robot is {robot!r}: make one with "
+            "Robot.from_urdf(path, shell=, shell_center=) or Robot.from_example."
+        )
     tilt = finite("tilt", tilt, "rad", above=0)
     if tilt > np.pi / 3:
         raise ParameterError(f"tilt is {tilt!r} rad: a belly is fitted for at most 60 degrees.")
@@ -172,6 +177,9 @@ class _Work:
             check_pair(FlatBelly(), self.ground)
             return "flat", self._flat(below, leg_angle)
         allowed = _ROUND * below.width
+        if form == "own":
+            own = own_fit(self.robot, below.support, self.tilt)
+            return "round" if own.error <= allowed else "dome", own
         ball = ball_of([*below.base, *below.covered], self.tilt, allowed)
         if ball is not None and form in ("auto", "sphere"):
             return "round", ball

@@ -21,9 +21,10 @@ import numpy as np
 
 from rrrobot.belly.shapes import Piece, support
 from rrrobot.checks import Array
-from rrrobot.contact.shells import EllipsoidSum
+from rrrobot.contact.shells import EllipsoidSum, FlatBelly
 from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
 from rrrobot.errors import ShellError
+from rrrobot.robot.robot import Robot
 
 FORMS = ("sphere", "ellipsoid", "box")
 LONGEST = 1.58
@@ -38,7 +39,7 @@ class Fit(NamedTuple):
     """A shell that holds a body within a cone of normals."""
 
     form: str
-    """"sphere", "ellipsoid" or "box" """
+    """"sphere", "ellipsoid", "box", "flat" or "own" """
     shell: Surface
     center: Array
     """in the base's frame (3,) [m]"""
@@ -95,6 +96,26 @@ def ball_of(pieces: Sequence[Piece], tilt: float, allowed: float) -> Fit | None:
             if gap.max() <= allowed:
                 return Fit("sphere", shell, center.copy(), float(gap.max()), 0.0)
     return None
+
+
+def own_fit(robot: Robot, body: Callable[[Array], Array], tilt: float) -> Fit:
+    """A robot's own shell where it is: the error counts what pokes out of it, too.
+
+    Raises:
+        ShellError: it is flat, or turned against the base.
+    """
+    place, shell = robot.shell_placement, robot.shell
+    turned = not isinstance(shell, Sphere) and not np.allclose(place.rotation, np.eye(3))
+    if turned or isinstance(shell, FlatBelly):
+        what = "is turned against the base" if turned else "is flat"
+        raise ShellError(
+            f"the shell of {robot.name} {what}: form='own' needs a round one along the base's "
+            "axes. Turn its support function instead, or fit form='flat'."
+        )
+    directions, center = cone(tilt, 15, 72), np.array(place.translation)
+    own = np.array([shell.support(u) for u in directions])
+    gap = own + directions @ center - body(directions)
+    return Fit("own", shell, center, float(np.abs(gap).max()), float(gap[0]))
 
 
 def _measured(

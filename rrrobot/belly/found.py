@@ -26,7 +26,7 @@ class Belly:
     Attributes:
         kind: "round", the underside rolls like the shell; "flat", it rolls on a boulder as it is;
             "dome", it is flat or has edges, and the shell is what would have to be added.
-        form: of the shell: "sphere", "ellipsoid", "box" or "flat".
+        form: of the shell: "sphere", "ellipsoid", "box", "flat" or "own".
         shell: the belly.
         center: of the shell, in the base's frame (3,) [m].
         error: largest gap between shell and underside, over the normals of the fit [m].

@@ -32,8 +32,8 @@ _FORMS = ("auto", "sphere", "ellipsoid", "box", "flat")
     default="level",
     show_default=True,
     metavar="|".join(kind.form for kind in GROUNDS.values()),
-    help="Where it lies. A slope rises along x; on a boulder the robot starts on its top; a grid is "
-    "a .csv file of heights [m], y in its first row and x in its first column.",
+    help="Where it lies. A slope rises along x; on a boulder the robot starts on its top; a grid "
+    "is a .csv file of heights [m], y in its first row and x in its first column.",
 )
 @click.option(
     "--goal",

@@ -50,14 +50,20 @@ def check_convex(surface: Surface) -> float:
         0.05
     """
     directions = sphere_directions(_DIRECTIONS)
-    for u in directions[:: _DIRECTIONS // 25]:
-        _check_derivatives(surface, u)
-    radii = np.array([surface.principal_radii(u)[0] for u in directions])
+    try:
+        for u in directions[:: _DIRECTIONS // 25]:
+            _check_derivatives(surface, u)
+        radii = np.array([surface.principal_radii(u)[0] for u in directions])
+    except ShellError:
+        raise
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        raise ShellError(
+            f"{surface!r}: its functions take a direction (3,) and return arrays of numbers, "
+            f"support a number, contact (3,) and hessian (3, 3); {type(error).__name__}: {error}."
+        ) from error
     if not np.all(np.isfinite(radii)):
         bad = directions[~np.isfinite(radii)][0]
-        raise ShellError(
-            f"{surface!r} has a Hessian that is not finite in the direction {_words(bad)}."
-        )
+        raise ShellError(f"{surface!r}: hessian is not finite in the direction {_words(bad)}.")
     worst, least = _polished(surface, directions[np.argmin(radii)], 0, 1.0)
     size = float(np.mean([surface.support(u) for u in directions]))
     if least <= 1e-9 * size:
@@ -97,6 +103,9 @@ def _polished(surface: Surface, u: Array, which: int, sign: float) -> tuple[Arra
 
 def _check_derivatives(surface: Surface, u: Array) -> None:
     h, x, hessian = surface.support(u), surface.contact(u), surface.hessian(u)
+    for what, value in (("support", h), ("contact", x), ("hessian", hessian)):
+        if not np.all(np.isfinite(value)):
+            raise ShellError(f"{surface!r}: {what} is not finite in the direction {_words(u)}.")
     steps = _STEP * np.eye(3)
     slope = [(surface.support(u + e) - surface.support(u - e)) / (2 * _STEP) for e in steps]
     bend = [(surface.contact(u + e) - surface.contact(u - e)) / (2 * _STEP) for e in steps]

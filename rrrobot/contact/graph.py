@@ -138,8 +138,8 @@ class Graph(Ground):
             table = np.genfromtxt(path, delimiter=",", ndmin=2)
         except (OSError, ValueError) as error:
             raise ParameterError(
-                f"no grid of heights can be read from {str(path)!r}: {str(error).rstrip('.')}. It must be "
-                "a table parted by commas, y in its first row and x in its first column."
+                f"no grid of heights can be read from {str(path)!r}: {str(error).rstrip('.')}. It "
+                "must be a table parted by commas, y in its first row and x in its first column."
             ) from None
         try:
             return cls.from_grid(table[1:, 0], table[0, 1:], table[1:, 1:], gravity=gravity)

@@ -86,7 +86,11 @@ class Surface(ABC):
 
     def principal_radii(self, u: Array) -> Array:
         """The two principal radii of curvature (2,) [m] at the point with normal u."""
-        return np.sort(np.linalg.eigvalsh(self.hessian(u / np.linalg.norm(u))))[1:]
+        u = u / np.linalg.norm(u)
+        first = np.cross(u, np.eye(3)[np.argmin(np.abs(u))])
+        first /= np.linalg.norm(first)
+        tangent = np.array((first, np.cross(u, first)))
+        return np.linalg.eigvalsh(tangent @ self.hessian(u) @ tangent.T)
 
 
 @serial.register("sphere")

@@ -14,6 +14,7 @@ from xml.etree.ElementTree import Element
 import numpy as np
 import pinocchio as pin
 
+from rrrobot.contact.shells import FlatBelly
 from rrrobot.contact.surfaces import Sphere
 from rrrobot.errors import UrdfWarning
 from rrrobot.robot.faults import MOVING, inertia_matrix, listed, shown
@@ -121,8 +122,11 @@ def _reach(robot: Any) -> float:
     center = data.oMi[1].act(robot.shell_placement.translation)
     points = [frame.translation for frame in data.oMf]
     points += [data.oMi[i].act(body.lever) for i, body in enumerate(model.inertias) if i]
-    axes = np.vstack((np.eye(3), -np.eye(3)))
-    size = max(float(np.linalg.norm(robot.shell.contact(u))) for u in axes)
+    shell, axes = robot.shell, np.vstack((np.eye(3), -np.eye(3)))
+    if isinstance(shell, FlatBelly):
+        size = math.hypot(shell.half_length or 0.0, shell.half_width or 0.0)
+    else:
+        size = max(float(np.linalg.norm(shell.contact(u))) for u in axes)
     return size + max(float(np.linalg.norm(point - center)) for point in points)
 
 

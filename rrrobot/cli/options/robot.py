@@ -201,8 +201,8 @@ class GroundOptions(Group):
         show_default=True,
         metavar="|".join(kind.form for kind in GROUNDS.values()),
         help="A slope rises along x; a plane has this normal; a boulder or a bowl is a sphere of "
-        "this radius [m], and the robot starts on its top or its bottom; a grid is a .csv file of heights "
-        "[m], y in its first row and x in its first column. Gravity stays along -z.",
+        "this radius [m], and the robot starts on its top or its bottom; a grid is a .csv file of "
+        "heights [m], y in its first row and x in its first column. Gravity stays along -z.",
     )
 
     def build(self, robot: RobotOptions) -> Ground:
