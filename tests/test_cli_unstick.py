@@ -103,3 +103,18 @@ def test_robots_that_cannot_are_told_why(
     assert result.exit_code == 1 and len(result.stderr.splitlines()) == 1
     for text in said:
         assert text in result.stderr, result.stderr
+
+
+def test_where_meshes_lie_is_said_with_an_option(tmp_path: Path) -> None:
+    """The package's own folder may have another name, as of a clone."""
+    box = f'<box size="{LENGTH} {WIDTH} {HEIGHT}"/>'
+    text = board().replace(box, '<mesh filename="package://mybot/meshes/trunk.stl"/>')
+    (tmp_path / "mybot.urdf").write_text(text)
+    args = (tmp_path / "mybot.urdf", "--budget", "0", "--quiet")
+    result = run(*args)
+    assert result.exit_code == 1 and "trunk.stl' is not found" in result.stderr
+    assert "Say with --package-dirs where they lie." in result.stderr
+    result = run(*args, "--package-dirs", Path(__file__).parent / "urdfs")
+    assert "budget is 0" in result.stderr and "trunk.stl" not in result.stderr
+    result = run("solo12", "--package-dirs", tmp_path)
+    assert result.exit_code == 1 and "no URDF file 'solo12'" in result.stderr

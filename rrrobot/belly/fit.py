@@ -61,7 +61,8 @@ def fit_belly(
     underside is taken as it is.
 
     Args:
-        robot: a Robot; the path of a URDF; or the name of one of `robot.example_robots()`.
+        robot: a Robot; the path of a URDF whose meshes are found from there (else a Robot with
+            package_dirs=); or the name of one of `robot.example_robots()`.
         form: "sphere", "ellipsoid", "box" (the sum of two ellipsoids) or "flat"; "auto" takes the
             simplest that does. "own" takes a Robot's shell as it is, any `Surface` with its frame
             along the base's axes: a dome that is built, or of a shape of one's own.

@@ -65,12 +65,14 @@ def underside(shapes: Shapes, leg_angle: Array, directions: Array) -> Underside:
     robot = shapes.robot
     base = shapes.on_joint(1)
     if not base:
-        reasons = f" Meshes that cannot be read: {'; '.join(shapes.missing)}." * bool(
-            shapes.missing
-        )
+        why = "Add a <collision> to its URDF."
+        if shapes.missing:
+            why = (
+                f"Meshes that cannot be read: {'; '.join(shapes.missing)}. Say with package_dirs= "
+                "where they lie."
+            )
         raise ShellError(
-            f"the base of {robot.name} has no collision or visual shape to fit a belly to."
-            f"{reasons} Give package_dirs= where the meshes lie, or a shell of your own."
+            f"the base of {robot.name} has no collision or visual shape to fit a belly to. {why}"
         )
     axes = np.vstack((np.eye(3), -np.eye(3)))
     length = support(base, axes).reshape(2, 3).sum(axis=0)

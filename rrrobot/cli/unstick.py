@@ -12,6 +12,7 @@ from rrrobot.cli.options.robot import GROUNDS, GroundChoice, GroundType
 from rrrobot.cli.report import tell
 from rrrobot.cli.types import NUMBER, names
 from rrrobot.contact.boulder import depth_of_floor
+from rrrobot.contact.surfaces import Sphere
 from rrrobot.errors import ParameterError
 from rrrobot.inline import aligned
 from rrrobot.robot.legged import legged_urdf
@@ -44,6 +45,10 @@ _FORMS = ("auto", "sphere", "ellipsoid", "box", "flat")
     "ahead, to the left), off:DEGREES (off a rock); once for each. forward, left and both turns "
     "unless given, off to four sides on a boulder.",
 )
+@click.option(
+    "--package-dirs", multiple=True, metavar="FOLDER",
+    help="Where the meshes of a URDF lie, beside its own folder; once for each.",
+)  # fmt: skip
 @click.option("--out", metavar="FOLDER", help="Report, films and gaits here; goes on from there.")
 @click.option("--no-films", is_flag=True, help="Write no films.")
 @click.option("--belly", "form", type=click.Choice(_FORMS), default="auto", show_default=True)
@@ -79,6 +84,7 @@ def unstick_command(
     robot: str,
     ground: GroundChoice,
     goals: tuple[str, ...],
+    package_dirs: tuple[str, ...],
     out: str | None,
     no_films: bool,
     form: str,
@@ -124,7 +130,7 @@ def unstick_command(
         fit["tilt"] = tilt
     tell_of_compiling(quiet=quiet, loads=True)
     found = unstick(
-        fit_belly(robot_of(robot), **fit), goals=goals or None, joints=names(joints),
+        fit_belly(robot_of(robot, package_dirs), **fit), goals=goals or None, joints=names(joints),
         groups=groups or GROUPS, limits=limits, damping_ratio=damping_ratio, harmonics=harmonics,
         postures=postures, solutions=solutions, budget=budget, floor=floor, folder=out,
         progress=False if quiet else None,
@@ -138,12 +144,15 @@ def unstick_command(
         raise click.ClickException(" ".join(told))
 
 
-def robot_of(name: str) -> Any:
+def robot_of(name: str, package_dirs: tuple[str, ...] = ()) -> Any:
     """What `fit_belly` takes for a name on the command line.
 
     Raises:
         ParameterError: legged: with no whole numbers.
+        UrdfError: package_dirs and no URDF.
     """
+    if package_dirs:
+        return Robot.from_urdf(Path(name), shell=Sphere(1.0), package_dirs=package_dirs)
     if name == "rrrobot":
         return Robot.from_parameters()
     kind, colon, text = name.partition(":")

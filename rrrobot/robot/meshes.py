@@ -87,7 +87,8 @@ def find_mesh(name: str, package_dirs: Sequence[str]) -> Path:
 
     1. as an absolute path, or of `file://`;
     2. relative to each of the folders, the URDF file's own first;
-    3. of `package://NAME/rest`, rest in a parent folder of those that is called NAME;
+    3. of `package://NAME/rest`, rest in a parent folder of those that is called NAME, then in
+       the folders themselves;
     4. in the folders of ROS_PACKAGE_PATH;
     5. relative to the working directory.
 
@@ -125,6 +126,8 @@ def _candidates(name: str, package_dirs: Sequence[str]) -> Iterator[Path]:
             for parent in (folder, *folder.parents):
                 if parent.name == package:
                     yield parent / rest
+        for folder in folders:
+            yield folder / rest
     for entry in os.environ.get("ROS_PACKAGE_PATH", "").split(os.pathsep):
         if entry:
             yield Path(entry) / bare

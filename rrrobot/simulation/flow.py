@@ -21,7 +21,6 @@ from rrrobot.drive.torques import LegTorques
 from rrrobot.errors import GaitError, ModelError, ParameterError
 from rrrobot.integrate import ATOL, RTOL, Integration, Stepping, Watch, integrate
 from rrrobot.models.base import Model
-from rrrobot.models.full import FullModel
 from rrrobot.models.recombined import NEEDS_GAIT, DecoupledModels
 from rrrobot.models.terms import Dynamics, Placement
 from rrrobot.progress import Progress, Tell, progress_of
@@ -29,7 +28,7 @@ from rrrobot.simulation.effort import Effort
 from rrrobot.simulation.events import Event, Hit, Lookout, Snapshot
 from rrrobot.simulation.memory import Recall, seen_at
 from rrrobot.simulation.state import State
-from rrrobot.simulation.track import Track
+from rrrobot.simulation.track import Track, require_rolling
 
 Drive = Gait | LegTorques
 
@@ -136,8 +135,7 @@ class Flow:
 
         Raises:
             GaitError: the gait is not finite there.
-            ModelError: the start asks for motion about an axis that the model locks, or the contact
-                there is not one that rolls.
+            ModelError: motion about an axis that the model locks, a contact that does not roll.
         """
         model, drive = self.model, self.drive
         angles = vector("euler", euler, 3, "rad", labels=("roll", "pitch", "yaw"))
@@ -145,11 +143,7 @@ class Flow:
         point = vector("position", position, 2, "m")
         time = finite("time", time, "s")
         pose = model.make_pose(angles, point)
-        if isinstance(model, FullModel) and (trouble := model.trouble(pose)) is not None:
-            raise ModelError(
-                f"the robot cannot start at the position {point.tolist()} m: {trouble}. Start "
-                "elsewhere with position=."
-            )
+        require_rolling(model, pose)
         if isinstance(drive, LegTorques):
             leg, rate = drive.angle, drive.rate
             rest: tuple[Array, ...] = (leg, rate)

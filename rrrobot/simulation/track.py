@@ -7,6 +7,7 @@ from math import sin
 import numpy as np
 
 from rrrobot.checks import Array
+from rrrobot.errors import ModelError
 from rrrobot.models.base import VERTICAL_PITCH, Model
 from rrrobot.models.full import FullModel
 from rrrobot.simulation.memory import Recall
@@ -15,6 +16,15 @@ VERTICAL = (
     "the pitch reached +-90 degrees, where the Euler rates, and with them this model's damping or "
     "coordinates, are singular; swing the legs less, or use the full model with BodyRateDamping"
 )
+
+
+def require_rolling(model: Model, pose: Array) -> None:
+    """Raise ModelError where a pose (n_pose,) has no contact that rolls."""
+    if isinstance(model, FullModel) and (trouble := model.trouble(pose)) is not None:
+        raise ModelError(
+            f"the robot cannot start at the position {pose[4:].tolist()} m: {trouble}. Start "
+            "elsewhere with position=."
+        )
 
 
 class Track:
