@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 
 import rrrobot as rr
+from rrrobot.cli.robots import GENERATED
 from rrrobot.cli.unstick import robot_of
-from rrrobot.cli.view import GENERATED
 from rrrobot.errors import RRRobotError
 from rrrobot.files import write_whole
 from rrrobot.robot.examples import UNSTICK

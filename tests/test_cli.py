@@ -14,6 +14,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import SimpleNamespace
 
+import click
 import numpy as np
 import pytest
 from click.testing import CliRunner, Result
@@ -597,7 +598,7 @@ def test_robots_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
     def missing() -> None:
         raise rr.MissingExtraError("example robots need the extra 'robots'.")
 
-    monkeypatch.setattr("rrrobot.cli.view.example_robots", missing)
+    monkeypatch.setattr("rrrobot.cli.robots.example_robots", missing)
     result = run("robots")
     assert result.exit_code == 0
     first, *others = result.stdout.splitlines()
@@ -609,7 +610,7 @@ def test_robots_without_the_extra(monkeypatch: pytest.MonkeyPatch) -> None:
 # As a command
 
 
-@pytest.mark.parametrize("name", sorted(cli.commands))
+@pytest.mark.parametrize("name", cli.list_commands(click.Context(cli)))
 def test_help_has_an_example(name: str) -> None:
     assert f"  rrrobot {name}" in good(name, "--help").stdout
     assert name in good("--help").stdout
@@ -671,18 +672,24 @@ def test_a_full_standard_output_is_one_line(args: tuple[str, ...]) -> None:
     assert done.stderr == "Error: cannot write standard output: No space left on device.\n"
 
 
-def test_ctrl_c_while_it_starts_is_one_line() -> None:
+@pytest.mark.parametrize(
+    ("args", "module"),
+    [([], "rrrobot.cli.sweep"), (["simulate"], "rrrobot.simulation.run"), (["-h"], "click")],
+)
+def test_ctrl_c_while_it_starts_is_one_line(args: list[str], module: str) -> None:
     """An interrupt in the middle of the imports, wherever that is."""
     code = (
         "import sys, signal, os\n"
         "class Stop:\n"
         "    def find_spec(self, name, *_):\n"
-        "        if name == 'rrrobot.cli.sweep': os.kill(os.getpid(), signal.SIGINT)\n"
+        f"        if name == {module!r}: os.kill(os.getpid(), signal.SIGINT)\n"
         "sys.meta_path.insert(0, Stop())\n"
         "from rrrobot.__main__ import main\n"
         "main()\n"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    done = subprocess.run(
+        [sys.executable, "-c", code, *args], capture_output=True, text=True, check=False
+    )
     assert (done.returncode, done.stdout, done.stderr) == (130, "", "Interrupted: stopped.\n")
 
 

@@ -10,13 +10,9 @@ from click.testing import CliRunner, Result
 
 import rrrobot as rr
 from rrrobot.cli.main import cli
-from rrrobot.cli.optimise import optimise_command
 from rrrobot.drive.tables import gait_from_dict
 
 pytestmark = pytest.mark.usefixtures("compiled_engine")
-
-if "optimise" not in cli.commands:
-    cli.add_command(optimise_command)
 
 QUICK = ("--budget", "150", "--settle-time", "4", "--frequency", "8", "--max-variation", "0.5")
 

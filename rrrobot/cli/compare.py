@@ -1,9 +1,8 @@
-"""`rrrobot compare` and `rrrobot periods`: the models beside each other and beside the paper."""
+"""`rrrobot compare`: the models beside each other and beside the paper."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from pathlib import Path
 
 import click
@@ -13,10 +12,9 @@ from rrrobot.checks import finite
 from rrrobot.cli.options.drive import GaitOptions
 from rrrobot.cli.options.group import takes
 from rrrobot.cli.options.robot import RobotOptions
-from rrrobot.cli.report import tell, to_json
+from rrrobot.cli.report import grid, tell, to_json
 from rrrobot.cli.types import NUMBER
 from rrrobot.files import make_folder
-from rrrobot.orbits.oscillations import table_3
 from rrrobot.paper.table4 import PAPER, Table4, table_4
 from rrrobot.robot.robot import Robot
 from rrrobot.simulation.steady import SteadyState
@@ -79,34 +77,6 @@ def compare_command(
     tell(data, _side_by_side(found), files, as_json=as_json)
 
 
-@click.command()
-@takes(robot=RobotOptions)
-@click.option("--json", "as_json", is_flag=True, help="As JSON.")
-def periods(robot: RobotOptions, as_json: bool) -> None:
-    """Print Table 3: periods of small roll and pitch oscillations, beside the paper's.
-
-    Legs are held at pi/2 (straight up on RRRobot). "linear" is from the eigenvalues of the
-    linearised model, "simulated" from the zero crossings of a swing of 0.005 rad, "damped" with
-    0.01 N m s/rad on the roll and pitch rates.
-
-    \b
-    Example:
-      rrrobot periods
-      rrrobot periods --leg-mass 0.08
-    """
-    rows = table_3(robot.build_level())
-    if as_json:
-        click.echo(to_json([row._asdict() for row in rows]))
-        return
-    head = ("model", "axis", "paper [s]", "linear [s]", "simulated [s]", "damped [s]")
-    cells = [(r.model, r.axis, f"{r.paper:.2f}", *(f"{v:.5f}" for v in r[3:])) for r in rows]
-    click.echo(_grid(head, cells))
-    click.echo(
-        "The paper's 0.96 s of the pivoting pitch is not what its Table 2 gives: 0.9451 s, or "
-        "0.9542 s with damping."
-    )
-
-
 def _side_by_side(found: Comparison) -> str:
     head = ("", *found.states)
     rows = [
@@ -121,7 +91,7 @@ def _side_by_side(found: Comparison) -> str:
     for i, axis in enumerate(_AXES):
         for key in ("amplitude", "phase", "mean"):
             rows.append((f"{axis} {key} [deg]", *(_degrees(s, key, i) for s in states)))
-    text = _grid(head, rows)
+    text = grid(head, rows)
     if found.yaw_amplitude_factor is not None:
         text += (
             f"\nmodulated: the yaw model's leg amplitude times {found.yaw_amplitude_factor:.4f} "
@@ -157,7 +127,7 @@ def _table_4(table: Table4) -> str:
             numbers = (f"{v:.3f}" for v in s[:3]) if s.gaits else ("-",) * 3
             rows.append((f"{quantity}, {model}", shown, *numbers, str(s.gaits)))
     return (
-        f"{_grid(head, rows)}\nOver {table.speed['full'].size} gaits; those count where the full "
+        f"{grid(head, rows)}\nOver {table.speed['full'].size} gaits; those count where the full "
         "model travels above 6 mm/s and, for curvature, turns above 5 mrad/s."
     )
 
@@ -172,17 +142,6 @@ def _figures(found: Comparison, folder: Path) -> list[Path]:
         "rolling.png": rolling_shell(found.trajectories["full"]),
     }
     return [write_figure(figure, folder / name) for name, figure in figures.items()]
-
-
-def _grid(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
-    widths = [max(len(r[i]) for r in (head, *rows)) for i in range(len(head))]
-    lines = []
-    for row in (head, *rows):
-        first, *others = row
-        cells = [f"{first:<{widths[0]}}"]
-        cells += [f"{c:>{w}}" for c, w in zip(others, widths[1:], strict=True)]
-        lines.append("  ".join(cells).rstrip())
-    return "\n".join(lines)
 
 
 def _ratio(value: float | None) -> str:

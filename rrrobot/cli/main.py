@@ -1,8 +1,8 @@
 """The command line: `rrrobot simulate`, `sweep`, `compare`, `optimise` and the others.
 
 An error that rrrobot raises on purpose becomes one line on stderr and exit code 1, wrong usage
-exit code 2, Ctrl-C 130; warnings are one line each on stderr. A command is a file of this folder:
-what it defines with `click.command` is found here.
+exit code 2, Ctrl-C 130; warnings are one line each on stderr. A command is the file of its name in
+this folder.
 """
 
 from __future__ import annotations
@@ -33,7 +33,36 @@ class _Interrupt(click.ClickException):
 
 
 class _Group(click.Group):
-    """A group that turns what its commands raise into one line and an exit code."""
+    """A group whose commands are files beside this one, each loaded when it is first asked for.
+
+    It turns what they raise into one line and an exit code.
+    """
+
+    def get_command(self, ctx: click.Context, name: str) -> click.Command | None:
+        for file in (name, f"{name}_"):
+            if file in _files():
+                self._load(file)
+        if name not in self.commands:
+            # Whoever mistypes is told of all.
+            self.list_commands(ctx)
+        return super().get_command(ctx, name)
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        for file in _files():
+            self._load(file)
+        return super().list_commands(ctx)
+
+    def _load(self, file: str) -> None:
+        module = importlib.import_module(f"rrrobot.cli.{file}")
+        for item in vars(module).values():
+            if isinstance(item, click.Command) and item.callback.__module__ == module.__name__:
+                self.add_command(item)
+
+    def make_context(self, *args: Any, **kwargs: Any) -> click.Context:
+        try:
+            return super().make_context(*args, **kwargs)
+        except KeyboardInterrupt:
+            raise _Interrupt("stopped.") from None
 
     def invoke(self, ctx: click.Context) -> Any:
         try:
@@ -58,19 +87,10 @@ def cli() -> None:
     """
 
 
-def _commands() -> Iterator[click.Command]:
-    """The commands of every file beside this one."""
-    for info in pkgutil.iter_modules(rrrobot.cli.__path__, "rrrobot.cli."):
-        if info.name == __name__ or info.ispkg:
-            continue
-        module = importlib.import_module(info.name)
-        for item in vars(module).values():
-            if isinstance(item, click.Command) and item.callback.__module__ == info.name:
-                yield item
-
-
-for _command in _commands():
-    cli.add_command(_command)
+def _files() -> list[str]:
+    """Those beside this one."""
+    found = pkgutil.iter_modules(rrrobot.cli.__path__)
+    return [info.name for info in found if info.name != "main" and not info.ispkg]
 
 
 @contextmanager
@@ -87,8 +107,9 @@ def _warnings_as_lines(ctx: click.Context) -> Iterator[None]:
 def _said(message: object, ctx: click.Context) -> str:
     """One line, with the options of the command that runs instead of Python's arguments."""
     text = _one_line(message)
-    commands = ctx.command.commands if isinstance(ctx.command, click.Group) else {}
-    command = commands.get(ctx.invoked_subcommand or "")
+    name = ctx.invoked_subcommand
+    group = ctx.command if isinstance(ctx.command, click.Group) else None
+    command = group.get_command(ctx, name) if group and name else None
     return text if command is None else in_options(text, command)
 
 

@@ -35,6 +35,18 @@ def tell(data: Mapping[str, Any], text: str, files: Sequence[Path], *, as_json: 
         click.echo(f"wrote {path}")
 
 
+def grid(head: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """A table for people: the first column to the left, the others to the right."""
+    widths = [max(len(r[i]) for r in (head, *rows)) for i in range(len(head))]
+    lines = []
+    for row in (head, *rows):
+        first, *others = row
+        cells = [f"{first:<{widths[0]}}"]
+        cells += [f"{c:>{w}}" for c, w in zip(others, widths[1:], strict=True)]
+        lines.append("  ".join(cells).rstrip())
+    return "\n".join(lines)
+
+
 def summary(trajectory: Trajectory) -> dict[str, Any]:
     """Plain data in SI units; "steady_state" is None, with the reason, where there is none."""
     t = trajectory
