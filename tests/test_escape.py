@@ -1,7 +1,9 @@
 """Gaits that get a robot free: what the search is made of, against other ways to compute it."""
 
+import re
 from copy import copy
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
@@ -19,13 +21,17 @@ from rrrobot.escape.goals import goal_of
 from rrrobot.escape.limits import EscapeLimits, Rules
 from rrrobot.escape.loss import rocking_damping, rocking_modes
 from rrrobot.escape.polish import Scale, climb, judge
-from rrrobot.escape.small import best_small, cost, small_gaits
+from rrrobot.escape.report import report_html
+from rrrobot.escape.small import best_small, cost, leaning, small_gaits
 from rrrobot.escape.spaces import spaces, symmetric
+from rrrobot.escape.unstuck import Unstuck
+from rrrobot.escape.way_rows import off_rows
 from rrrobot.momentum.tree import tree_of
 from rrrobot.robot.limits import JointEnds
 from tests.some import some
 from tests.terrain import Egg
 from tests.test_belly import board
+from tests.test_rolling_off import LIMITS, crane_of, off
 
 UP = np.array((0.0, 2.7, 0.3) * 2)
 """Legs of `biped` upward."""
@@ -418,6 +424,49 @@ def test_a_robot_that_tips_is_told(biped):
         rocking_damping(rr.FullModel(high, damping=None), UP, 0.1)
     with pytest.raises(rr.ModelError, match="needs one of at most"):
         rocking_damping(rr.FullModel(biped, damping=None), UP, 0.7)
+
+
+def test_the_damping_of_a_small_robot_goes_with_its_size():
+    """With all lengths a tenth, moments of inertia times frequency are 10^-1.5 of before."""
+    sizes = {"leg_length": 0.1, "hip_offset": 0.12, "shell_radius": 0.12}
+    whole, tenth = (
+        rr.FullModel(
+            rr.Robot.from_parameters(
+                rr.RRRobotParameters(**{name: k * size for name, size in sizes.items()})
+            ),
+            damping=None,
+        )
+        for k in (1.0, 0.1)
+    )
+    up = np.full(2, np.pi / 2)
+    large, small = (rocking_damping(model, up, 0.05) for model in (whole, tenth))
+    assert small.x / large.x == pytest.approx(10**-1.5, rel=0.02)
+    assert small.y / large.y == pytest.approx(10**-1.5, rel=0.02)
+    lossy = rr.FullModel(tenth.robot, damping=small)
+    ratios = [mode.decay_rate / abs(mode.eigenvalue) for mode in rocking_modes(lossy, up)]
+    assert ratios == pytest.approx([0.05, 0.05], rel=0.1)
+
+
+def test_legs_that_move_nothing_lean_nowhere():
+    """Wheels: no amplitude of theirs rocks the robot, and none is made of 0/0."""
+    still = SimpleNamespace(rocking=np.zeros((2, 4), dtype=complex))
+    assert np.all(leaning(still, np.eye(4, dtype=complex), 0.0, 1.0) == 0)
+    swings = SimpleNamespace(rocking=np.ones((2, 4), dtype=complex))
+    assert leaning(swings, np.eye(4, dtype=complex), 1.0, 0.0) == pytest.approx(0.5)
+
+
+def test_a_way_off_a_rock_is_told_whole():
+    belly = crane_of(0.15)
+    way = off(belly, "off:90")
+    rows, share = off_rows(way), np.abs(way.trajectory.leg_torque).max() / 5.0
+    assert rows["largest torque over its limit"] == f"{100 * share:.0f} %" != "0 %"
+    said = rows["set-points of the joints"]
+    assert said.startswith(f"off_90.csv and .ros.json end at {way.drive.duration:.2f} s")
+    goals = [way.goal, goal_of("forward")]
+    found = replace(Unstuck.begun(belly, LIMITS, goals, None), off={"off:90": way})
+    page = report_html(replace(found, reasons={"forward": "none"}), films=False)
+    cells = re.findall("<td[^>]*>(.*?)</td>", page)
+    assert "" not in cells and cells.count("none feasible") == 1
 
 
 @pytest.mark.slow

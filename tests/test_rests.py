@@ -6,6 +6,7 @@ import pytest
 
 import rrrobot as rr
 from rrrobot.belly.rests import rest_of, standing
+from rrrobot.escape.loss import rocking_damping, rocking_modes
 from rrrobot.robot.legged import legged_urdf
 
 UP = np.full(2, np.pi / 2)
@@ -129,3 +130,17 @@ def test_a_dome_across_a_slope_drifts_and_does_not_tip(azimuth):
     # It stays where it is put.
     t = rr.simulate(model, rr.StillLegs(level.posture), 20.0, euler=rest.euler, start="rest")
     assert np.abs(t.euler - rest.euler).max() < 1e-6
+
+
+@pytest.mark.parametrize("azimuth", [0.0, 1.5, 2.5])
+def test_what_is_searched_on_a_slope_rocks_about_the_rest_that_the_fit_found(azimuth):
+    angle = np.deg2rad(5.0)
+    slope = rr.Plane((np.cos(azimuth), np.sin(azimuth), 1 / np.tan(angle)))
+    belly = rr.fit_belly(legged_urdf(4), ground=slope)
+    model = belly.model(damping=None)
+    fitted = [mode.period for mode in belly.modes if np.isfinite(mode.period)]
+    assert [mode.period for mode in rocking_modes(model, belly.posture)] == pytest.approx(fitted)
+    damping = rocking_damping(model, belly.posture, 0.1)
+    lossy = rocking_modes(belly.model(damping=damping), belly.posture)
+    ratios = [mode.decay_rate / abs(mode.eigenvalue) for mode in lossy]
+    assert ratios == pytest.approx([0.1, 0.1], rel=0.1)

@@ -42,23 +42,9 @@ class Rest(NamedTuple):
 
 
 def rest_of(model: FullModel, leg_angle: Array) -> Rest | str:
-    """The rest nearest to upright, or why there is none.
-
-    Newton's method begins upright and, where that leads nowhere or far away, with the base's z axis
-    along the ground's normal: large shells on a slope rest near that.
-    """
-    found = _rest_from(model, leg_angle, np.zeros(3))
-    if isinstance(found, Rest):
-        return found
-    normal = model.ground.normal(model.ground.point(np.zeros(2)))
-    lean = np.array((-np.arcsin(normal[1]), np.arctan2(normal[0], normal[2]), 0.0))
-    other = _rest_from(model, leg_angle, lean)
-    return other if isinstance(other, Rest) else found
-
-
-def _rest_from(model: FullModel, leg_angle: Array, start: Array) -> Rest | str:
+    """The rest nearest to upright, or why there is none."""
     try:
-        pose = equilibrium(model, leg_angle, start)
+        pose = equilibrium(model, leg_angle)
         place = model.place(pose)
         euler = model.turned(pose[None], np.zeros(3))[0]
         if np.abs(euler[:2]).max() > np.pi / 2:

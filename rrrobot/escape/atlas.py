@@ -117,7 +117,8 @@ class Atlas:
                 ahead, left, _ = rules.goal.weights
                 a = leaning(small, metric, ahead, left)
                 size = abs(np.dot(ahead * small.rocking[1] - left * small.rocking[0], a))
-                found.append(Seed(float(size), every, small, a, bench))
+                if size > 0:
+                    found.append(Seed(float(size), every, small, a, bench))
                 continue
             form = np.tensordot(rules.goal.weights, small.travel, 1)
             for group in self.spaces:

@@ -22,6 +22,8 @@ from rrrobot.orbits.oscillations import Mode, modes
 RATIO = 0.1
 """Damping ratio unless told: RRRobot's in the paper are 0.10 and 0.12."""
 
+_LIGHT = 0.2
+"""Decay rate over the frequency below which the one goes with the loss."""
 _SLOW = 1e-3
 """Frequency over the fastest one below which a mode is drift, split by rounding."""
 
@@ -71,16 +73,23 @@ def rocking_damping(model: FullModel, posture: Array, ratio: float = RATIO) -> B
             "to where the centre of mass is lower."
         )
     frequency = np.array([abs(mode.eigenvalue) for mode in rocking])
-    # Decay rate of each mode by a loss about each axis alone.
-    small = 1e-3 * model.robot.mass * frequency.min()
-    share = np.zeros((2, 2))
-    for axis in range(2):
-        kappa = [0.0, 0.0, 0.0]
-        kappa[axis] = small
-        lossy = FullModel(model.robot, ground=model.ground, damping=BodyRateDamping(*kappa))
-        share[:, axis] = [mode.decay_rate / small for mode in rocking_modes(lossy, posture)]
+    share = np.column_stack([_share(model, posture, axis, frequency.min()) for axis in range(2)])
     both = np.linalg.solve(share, ratio * frequency)
     if not (both > 0).all():
         # Modes that mix the axes: one loss for both.
         both = np.full(2, float(ratio * frequency.mean() / share.sum(axis=1).mean()))
     return BodyRateDamping(float(both[0]), float(both[1]), float(both.min()))
+
+
+def _share(model: FullModel, posture: Array, axis: int, slowest: float) -> Array:
+    """Decay rate of each rocking mode (2,) over a small loss about one axis alone [1/(N m s)]."""
+    small = 1e-3 * model.robot.mass * slowest
+    while True:
+        kappa = [0.0, 0.0, 0.0]
+        kappa[axis] = small
+        lossy = FullModel(model.robot, ground=model.ground, damping=BodyRateDamping(*kappa))
+        decay = np.array([mode.decay_rate for mode in rocking_modes(lossy, posture)])
+        if decay.size == 2 and decay.max() < _LIGHT * slowest:
+            return decay / small
+        # Moments of inertia go with the square of a robot's size: of a small one it is much.
+        small *= 0.1

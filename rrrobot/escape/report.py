@@ -93,7 +93,9 @@ def _off_files(way: RollOff, place: Path, *, films: bool) -> list[Path]:
     from rrrobot.view.films import record
 
     name, run, drive = way.goal.file_name, way.trajectory, way.drive
-    table = gait_table(drive, _RATE, duration=drive.duration, joints=run.robot.legs)
+    legs = run.robot.legs
+    slides = sliding(run.robot.model, legs)
+    table = gait_table(drive, _RATE, duration=drive.duration, joints=legs, slides=slides)
     written = [
         write_gait(drive, place / f"{name}.json"),
         table.to_csv(place / f"{name}.csv"),
@@ -160,10 +162,11 @@ def _summary(found: Unstuck, *, films: bool) -> str:
     for goal in found.goals:
         way = found.off.get(goal.name)
         if way is not None and way.met:
-            rows.append((goal.name, f"off in {way.duration:.2f} s", f"{way.friction:.2f}", "", ""))
+            told = f"off in {way.duration:.2f} s", f"{way.friction:.2f}", share_text(way), "-"
+            rows.append((goal.name, *told))
             continue
         if goal.name not in found.found:
-            rows.append((goal.name, "none feasible", "", "", ""))
+            rows.append((goal.name, "none feasible", "-", "-", "-"))
             continue
         best = found.best(goal.name)
         rows.append((

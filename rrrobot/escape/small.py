@@ -144,8 +144,9 @@ def straight(form: Complex, aside: Sequence[Complex], metric: Complex) -> tuple[
 
 
 def leaning(small: SmallGaits, metric: Complex, ahead: float, left: float) -> Complex:
-    """Amplitudes (legs,) with a^H M a = 1 that lean most ahead and to the left."""
+    """Amplitudes (legs,) with a^H M a = 1 that lean most ahead and to the left; zero if none do."""
     # Ahead is pitch, to the left is minus roll.
     response = ahead * small.rocking[1] - left * small.rocking[0]
     a = np.linalg.solve(metric, response.conj())
-    return np.asarray(a / np.sqrt(np.real(a.conj() @ metric @ a)))
+    size = np.sqrt(np.real(a.conj() @ metric @ a))
+    return np.asarray(a / size if size > 0 else a)

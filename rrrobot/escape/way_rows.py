@@ -17,7 +17,7 @@ def shown_value(gait: EscapeGait) -> str:
     return f"{1000 * gait.value:.1f} mm/s"
 
 
-def share_text(gait: EscapeGait) -> str:
+def share_text(gait: EscapeGait | RollOff) -> str:
     """Largest torque over its limit."""
     share = gait.torque_share[np.isfinite(gait.torque_share)]
     return f"{100 * share.max():.0f} %" if share.size else "no limit in the file"
@@ -29,6 +29,7 @@ def off_rows(way: RollOff) -> dict[str, str]:
         "legs move the centre of mass": f"{1000 * way.shift:.0f} mm to that side, in "
         f"{way.drive.duration:.2f} s",
         "friction needed until it goes over": f"{way.friction:.2f}",
+        "largest torque over its limit": share_text(way),
         "off the rock": "yes" if way.met else f"no: {way.reason}",
     }
     if np.isfinite(way.over):
@@ -50,6 +51,11 @@ def off_rows(way: RollOff) -> dict[str, str]:
                 f"{1000 * at.room:.0f} mm, and comes down at up to {at.impact:.2f} m/s"
             )
         rows |= _floor_rows(way)
+        rows["set-points of the joints"] = (
+            f"{way.goal.file_name}.csv and .ros.json end at {way.drive.duration:.2f} s, where the "
+            "legs lean: they stay there until the robot lies; the postures to which they go then "
+            "are in unstick.json, under lying"
+        )
     return rows
 
 

@@ -72,6 +72,13 @@ class RollOff:
         return float(self.trajectory.time[-1])
 
     @property
+    def torque_share(self) -> Array:
+        """Largest torque over its limit, of each leg (legs,); NaN where the file has none."""
+        limit = self.trajectory.robot.joints.effort
+        largest = np.abs(self.trajectory.leg_torque).max(axis=0)
+        return np.where(np.isfinite(limit), largest / limit, np.nan)
+
+    @property
     def after_name(self) -> str:
         """Of the files of the gait that goes on."""
         return f"{self.goal.file_name}_floor"

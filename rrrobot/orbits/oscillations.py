@@ -70,8 +70,15 @@ class Mode:
         return _AXES[int(np.argmax(np.abs(self.shape)))]
 
 
-def equilibrium(model: Model, leg_angle: ArrayLike, euler: ArrayLike = (0.0, 0.0, 0.0)) -> Array:
-    """Pose (n_pose,) at which the body rests with the legs held, by Newton's method from `euler`.
+def equilibrium(model: Model, leg_angle: ArrayLike, euler: ArrayLike | None = None) -> Array:
+    """Pose (n_pose,) at which the body rests with the legs held, by Newton's method.
+
+    Args:
+        model: any model.
+        leg_angle: (legs,) [rad].
+        euler: where it begins (3,) [rad]. Unless given, upright and, where that leads nowhere or
+            to the side, with the base's z axis along the ground's normal: large shells on a slope
+            rest near that.
 
     Raises:
         ModelError: Newton's method finds none.
@@ -82,8 +89,28 @@ def equilibrium(model: Model, leg_angle: ArrayLike, euler: ArrayLike = (0.0, 0.0
         >>> round(rr.orbits.equilibrium(model, (np.pi / 4, np.pi / 4))[0], 5)
         np.float64(0.28089)
     """
+    if euler is not None:
+        return _rest_from(model, leg_angle, vector("euler", euler, 3, "rad"))
+    normal = model.ground.normal(model.ground.point(np.zeros(2)))
+    lean = np.array((-np.arcsin(normal[1]), np.arctan2(normal[0], normal[2]), 0.0))
+    found, failed = [], []
+    for start in (np.zeros(3), lean) if lean.any() else (np.zeros(3),):
+        try:
+            pose = _rest_from(model, leg_angle, start)
+        except ModelError as error:
+            failed.append(error)
+            continue
+        if np.abs(model.turned(pose[None], np.zeros(3))[0, :2]).max() <= np.pi / 2:
+            return pose
+        found.append(pose)
+    if found:
+        return found[0]
+    raise failed[0]
+
+
+def _rest_from(model: Model, leg_angle: ArrayLike, euler: Array) -> Array:
     legs = _held(model, leg_angle)
-    pose = model.make_pose(vector("euler", euler, 3, "rad"), np.zeros(2))
+    pose = model.make_pose(euler, np.zeros(2))
     still = np.zeros(model.n_quasi)
     for _ in range(50):
         residual = _acceleration(model, pose, still, legs)
@@ -106,13 +133,13 @@ def equilibrium(model: Model, leg_angle: ArrayLike, euler: ArrayLike = (0.0, 0.0
     )
 
 
-def modes(model: Model, leg_angle: ArrayLike, euler: ArrayLike = (0.0, 0.0, 0.0)) -> list[Mode]:
-    """Modes of small oscillation about the rest nearest to `euler`, the legs held.
+def modes(model: Model, leg_angle: ArrayLike, euler: ArrayLike | None = None) -> list[Mode]:
+    """Modes of small oscillation about the rest that `equilibrium` finds, the legs held.
 
     Args:
         model: any model.
         leg_angle: (legs,) [rad].
-        euler: where the search for rest starts (3,) [rad].
+        euler: where the search for rest begins (3,) [rad], see `equilibrium`.
 
     Returns:
         oscillating modes, one for each conjugate pair, by period from long to short; then modes
