@@ -4,22 +4,30 @@ PYTHON ?= $(shell for p in python3 python3.13 python3.12 python3.11 python3.14; 
 BIN := .venv/bin
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
-.PHONY: demo test test-all lint format benchmark docs urdf clean
+.PHONY: demo test test-all tests all-tests lint types format benchmark docs urdf clean
 .DEFAULT_GOAL := demo
 
 demo: .venv/.base  ## simulate both gaits of the paper for 30 s; numbers, plot and film in out/
 	$(BIN)/python examples/first_roll.py
 
 test: .venv/.dev lint  ## format, lint, types, and every test but the slow ones
-	$(BIN)/python -m pytest -n 2 --dist loadfile
+	@$(MAKE) --no-print-directory -j 2 types tests
 
 test-all: .venv/.dev lint  ## also the slow studies
-	$(BIN)/python -m pytest -n 2 --dist loadfile -m ''
+	@$(MAKE) --no-print-directory -j 2 types all-tests
 
 lint: .venv/.dev
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
+
+types: .venv/.dev
 	$(BIN)/mypy
+
+tests: .venv/.dev
+	$(BIN)/python -m pytest -n 2 --dist loadfile
+
+all-tests: .venv/.dev
+	$(BIN)/python -m pytest -n 2 --dist loadfile -m ''
 
 format: .venv/.dev
 	$(BIN)/ruff format .
