@@ -130,7 +130,7 @@ class Graph(Ground):
             >>> import pathlib, rrrobot as rr
             >>> rows = ["x/y," + ",".join(f"{0.1 * j}" for j in range(6))]
             >>> rows += [f"{0.1 * i}" + ",0.02" * 6 for i in range(6)]
-            >>> _ = pathlib.Path("heights.csv").write_text("\n".join(rows))
+            >>> _ = pathlib.Path("heights.csv").write_text("\\n".join(rows))
             >>> rr.Graph.from_file("heights.csv")
             Graph.from_grid(x=0 .. 0.5, y=0 .. 0.5)
         """
