@@ -36,6 +36,7 @@ format: .venv/.dev
 benchmark: .venv/.bench  ## speed and peers; writes benchmarks/results and docs/benchmarks.md
 	$(BIN)/python -m benchmarks.full_model
 	$(BIN)/python -m benchmarks.engine
+	$(BIN)/python -m benchmarks.grounds
 	$(BIN)/python -m benchmarks.peers
 	$(BIN)/python -m benchmarks.simulators
 	$(BIN)/python -m benchmarks.machines

@@ -11,6 +11,7 @@ import re
 from pathlib import Path
 
 from benchmarks.common import RESULTS, ROOT
+from benchmarks.grounds import grounds_page
 from benchmarks.machines import machines_page
 from benchmarks.report_peers import peers_page
 from benchmarks.report_readme import readme_block, replaced
@@ -18,7 +19,7 @@ from benchmarks.report_simulators import simulators_page
 from benchmarks.tables import Record, machine, number, prose, seconds, table
 
 PAGE, README = ROOT / "docs" / "benchmarks.md", ROOT / "README.md"
-FILES = ("engine", "peers", "simulators", "machines")
+FILES = ("engine", "grounds", "peers", "simulators", "machines")
 HEAD = """\
 # Benchmarks
 
@@ -32,6 +33,7 @@ Written by `python -m benchmarks.report` from `benchmarks/results/*.json`. To me
 ```sh
 pip install -e '.[dev,bench]'
 python -m benchmarks.engine
+python -m benchmarks.grounds
 python -m benchmarks.peers
 python -m benchmarks.simulators
 python -m benchmarks.machines
@@ -123,6 +125,7 @@ def page(folder: Path) -> str:
     minutes = sum(float(record["machine"]["minutes"]) for record in records.values())
     parts = (
         engine_page(records["engine"]),
+        grounds_page(records["grounds"]),
         peers_page(records["peers"]),
         simulators_page(records["simulators"]),
         machines_page(records["machines"]),
