@@ -48,7 +48,10 @@ def test_the_whole_story_and_how_it_goes_on(tmp_path: Path) -> None:
     assert rr.gait_from_dict(told["gaits"]["left"][0]["gait"]).to_dict() == gait.to_dict()
     # Another ground is another story.
     other = run(*QUICK, "--ground", "slope:2", "--out", tmp_path / "free")
-    assert other.exit_code == 1 and "another robot, ground or limits" in other.stderr
+    assert other.exit_code == 1 and "another robot, ground" in other.stderr
+    # Nor is a failure kept from a search that was smaller.
+    other = run(*QUICK, "--budget", "700", "--out", tmp_path / "free")
+    assert other.exit_code == 1 and "limits or search" in other.stderr
 
 
 @pytest.mark.slow

@@ -7,7 +7,12 @@ import pinocchio as pin
 import pytest
 
 import rrrobot as rr
+from tests.some import some
 from tests.test_belly import board
+
+EXAMPLES = (
+    "solo8", "solo12", "anymal", "anymal_c", "a1", "go1", "go2", "b1", "laikago", "hyq", "bolt",
+)  # fmt: skip
 
 
 def test_the_file_is_whole_and_bad_grounds_are_named(tmp_path):
@@ -54,6 +59,36 @@ def test_mujoco_has_the_same_mass_matrix(shell):
     # The lowest point of the shell is where ours is.
     geom = model.geom("shell")
     assert model.geom_contype[geom.id] == 2
+
+
+@pytest.mark.parametrize("name", some(EXAMPLES, ("solo8", "anymal_c", "bolt")))
+@pytest.mark.filterwarnings("ignore::rrrobot.UrdfWarning")
+def test_mujoco_reads_each_example_robot_as_pinocchio_has_it(name):
+    """Masses, centres, inertias, joint limits, efforts and the shell, to rounding."""
+    mujoco = pytest.importorskip("mujoco")
+    shell = rr.Ellipsoid((0.9, 0.7, 0.6))
+    robot = rr.Robot.from_example(name, shell=shell, shell_center=(0.01, 0.0, 0.5))
+    found = mujoco.MjModel.from_xml_string(rr.to_mjcf(robot))
+    for joint in range(1, robot.model.njoints):
+        wanted = robot.model.inertias[joint]
+        body = found.body(robot.name if joint == 1 else f"{robot.model.names[joint]}_body")
+        assert body.mass[0] == pytest.approx(wanted.mass, rel=1e-12)
+        assert body.ipos == pytest.approx(wanted.lever, abs=1e-12)
+        turn = np.zeros(9)
+        mujoco.mju_quat2Mat(turn, body.iquat)
+        turn = turn.reshape(3, 3)
+        about = turn @ np.diag(body.inertia) @ turn.T
+        size = np.abs(wanted.inertia).max()
+        assert about == pytest.approx(wanted.inertia, abs=1e-9 * size), name
+    limits = robot.joints
+    for k, leg in enumerate(robot.legs):
+        assert found.joint(leg).range == pytest.approx((limits.lower[k], limits.upper[k]))
+        if np.isfinite(limits.effort[k]):
+            most = found.actuator(leg).forcerange
+            assert most == pytest.approx((-limits.effort[k], limits.effort[k]))
+    assert found.geom("shell").size == pytest.approx(shell.semi_axes)
+    # Of each link's shapes there is one geom at least, beside the ground and the shell.
+    assert found.ngeom == 2 + len(rr.belly.Shapes.of(robot).pieces) and found.nmesh > 0
 
 
 def _new(mujoco):

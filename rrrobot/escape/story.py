@@ -123,7 +123,13 @@ def unstick(
     if goals is None:
         goals = ROCK if is_rock(belly.ground) else USUAL
     wanted = [goal_of(goal) for goal in goals]
-    found = Unstuck.begun(belly, limits, wanted, folder)
+    asked: dict[str, Any] = {
+        "joints": None if joints is None else list(joints), "groups": list(groups),
+        "damping": damping_ratio if damping is None else damping.to_dict(), "floor": floor,
+        "postures": int(postures), "harmonics": int(harmonics), "solutions": int(solutions),
+        "budget": int(budget),
+    }  # fmt: skip
+    found = Unstuck.begun(belly, limits, wanted, folder, asked)
     left = [goal for goal in wanted if goal.name not in found.done]
     if not left:
         return found

@@ -37,6 +37,7 @@ class Unstuck:
         off: goal's name -> how the robot rolls off its rock to that side, or why not.
         reasons: goal's name -> why there is no feasible gait, and what to try.
         damping: of the rocking, as plain data; None as long as no goal was searched for.
+        search: what was asked of it (joints, groups, budget, ...), as plain data.
         folder: where results are kept, or None.
 
     Example:
@@ -53,6 +54,7 @@ class Unstuck:
     off: Mapping[str, RollOff] = field(default_factory=dict)
     reasons: Mapping[str, str] = field(default_factory=dict)
     damping: Mapping[str, Any] | None = None
+    search: Mapping[str, Any] = field(default_factory=dict)
     folder: Path | None = None
 
     @property
@@ -87,11 +89,16 @@ class Unstuck:
 
     @classmethod
     def begun(
-        cls, belly: Belly, limits: EscapeLimits, goals: Sequence[Escape], folder: str | Path | None
+        cls,
+        belly: Belly,
+        limits: EscapeLimits,
+        goals: Sequence[Escape],
+        folder: str | Path | None,
+        search: Mapping[str, Any] | None = None,
     ) -> Unstuck:
-        """Nothing yet, or what a folder holds of the same robot, ground and limits."""
+        """Nothing yet, or what a folder holds of the same belly, limits and search."""
         own = cls(
-            belly=belly, limits=limits, goals=tuple(goals),
+            belly=belly, limits=limits, goals=tuple(goals), search=search or {},
             folder=None if folder is None else Path(folder),
         )  # fmt: skip
         return own if own.folder is None else own._resumed(own.folder)
@@ -180,6 +187,7 @@ class Unstuck:
         parts = [self.belly.robot.to_dict(), self.belly.ground.to_dict(), self.limits.to_dict()]
         for part in parts:
             part.pop("package_dirs", None)
+        parts += [{"posture": self.belly.posture.tolist()}, dict(self.search)]
         return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()[:32]
 
     def _kept(self) -> Unstuck:
@@ -199,8 +207,8 @@ class Unstuck:
             data = json.loads(path.read_text(encoding="utf-8"))
             if data["format"] != FORMAT or data["key"] != self._key():
                 raise OutputError(
-                    f"{str(folder)!r} holds the results of another robot, ground or limits: give "
-                    "another folder, or delete it."
+                    f"{str(folder)!r} holds the results of another robot, ground, posture, limits "
+                    "or search: give another folder, or delete it."
                 )
             found = {
                 name: tuple(

@@ -119,7 +119,7 @@ def gait_rows(gait: EscapeGait) -> dict[str, str]:
         "least clearance from the ground": f"{1000 * m['clearance']:.1f} mm",
         "least distance of links": f"{1000 * m['separation']:.1f} mm",
         "largest torque over its limit": share_text(gait),
-        "mean power of the motors": f"{m['power']:.2f} W",
+        "mean power of the motors": f"{m['power']:.3g} W",
     }
     for key, unit in (("energy_per_metre", "J/m"), ("energy_per_radian", "J/rad")):
         if key in m:
