@@ -132,6 +132,12 @@ def test_a_dome_across_a_slope_drifts_and_does_not_tip(azimuth):
     assert np.abs(t.euler - rest.euler).max() < 1e-6
 
 
+def test_a_robot_of_one_leg_rests_leaning():
+    """Its mass is off the dome's middle: yaw is a double zero there too, on level ground."""
+    belly = rr.fit_belly(legged_urdf(1))
+    assert belly.stable and belly.reason == "" and abs(belly.rest[0]) > 1e-3
+
+
 @pytest.mark.parametrize("azimuth", [0.0, 1.5, 2.5])
 def test_what_is_searched_on_a_slope_rocks_about_the_rest_that_the_fit_found(azimuth):
     angle = np.deg2rad(5.0)

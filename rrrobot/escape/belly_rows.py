@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from rrrobot.contact.boulder import Boulder, is_rock
+from rrrobot.contact.graph import Graph
 from rrrobot.contact.ground import Ground, Plane
 from rrrobot.contact.shells import FlatBelly
 from rrrobot.contact.surfaces import Ellipsoid, Sphere, Surface
@@ -34,6 +35,8 @@ def _ground(ground: Ground) -> str:
     if isinstance(ground, Plane):
         steep = np.rad2deg(np.arccos(np.clip(ground.normal(np.zeros(3))[2], -1.0, 1.0)))
         return f"a slope of {steep:.1f} deg" if steep > 1e-6 else "level"
+    if isinstance(ground, Graph):
+        return f"uneven, known within {ground.reach:g} m"
     return repr(ground)
 
 

@@ -113,6 +113,7 @@ def gait_rows(gait: EscapeGait) -> dict[str, str]:
         gait.goal.name: shown_value(gait),
         "ahead, to the left, turning": f"{ahead:.1f} mm/s, {left:.1f} mm/s, {turn:.1f} deg/s",
         "period": f"{gait.gait.period:.3f} s",
+        "begins": f"from rest, blended in over {gait.ramp:.2f} s (RampIn); files have one period",
         "friction needed": f"{m['friction']:.3f}",
         "least normal force": f"{m['normal_force']:.2f} of the weight",
         "largest tilt": f"{np.rad2deg(m['tilt']):.1f} deg",
