@@ -447,6 +447,30 @@ def test_the_damping_of_a_small_robot_goes_with_its_size():
     assert ratios == pytest.approx([0.05, 0.05], rel=0.1)
 
 
+def test_gaits_on_a_slope_begin_at_rest_there():
+    """Upright is far from it: rolling back turns a robot, and a heading on a slope stays."""
+    angle = np.deg2rad(5.0)
+    slope = rr.Plane((-np.sin(angle), 0.0, np.cos(angle)))
+    for ground, leans in ((slope, True), (rr.Plane(), False)):
+        belly = rr.fit_belly(rr.robot.legged_urdf(4), ground=ground)
+        bench = story._Work(belly, EscapeLimits(), None, ("all",), None, 0.1, 1).bench
+        if leans:
+            assert bench.rest == pytest.approx(belly.rest[:2]) and bench.rest[1] < -angle
+        else:
+            assert bench.rest is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("side", [0, 1])
+def test_solo12_gets_free_along_and_across_a_slope(side):
+    angle = np.deg2rad(5.0)
+    normal = np.array((0.0, 0.0, np.cos(angle)))
+    normal[side] = -np.sin(angle)
+    found = rr.unstick("solo12", ground=rr.Plane(normal), goals=["forward"], budget=600, postures=2)
+    best = found.best("forward")
+    assert best.met and best.value > 5e-3 and best.discrepancy < 1e-2
+
+
 def test_legs_that_move_nothing_lean_nowhere():
     """Wheels: no amplitude of theirs rocks the robot, and none is made of 0/0."""
     still = SimpleNamespace(rocking=np.zeros((2, 4), dtype=complex))

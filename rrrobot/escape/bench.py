@@ -17,7 +17,7 @@ from rrrobot.checks import Array
 from rrrobot.drive.gaits import GaitBatch
 from rrrobot.escape.capsules import Capsules, clearances
 from rrrobot.models.base import Model
-from rrrobot.momentum.batch import RESULT, lower, settled
+from rrrobot.momentum.batch import RESULT, Settled, lower, settled
 from rrrobot.momentum.extremes import LOADS, extremes
 from rrrobot.momentum.kernels import ANY, LIFT_OFF, OK
 from rrrobot.momentum.terrain import BOULDER
@@ -85,13 +85,22 @@ class Bench:
         limbs: how many there are.
         decay: of the slowest rocking mode [1/s]: gaits run until what they began with is decayed
             to 1e-4.
+        rest: roll and pitch at which gaits begin (2,) [rad]; upright unless given. On a slope that
+            is far from the rest, and a robot that rolls back turns, which never decays.
 
     Attributes:
         simulated: gaits so far, by this one and by those that `near` made of it.
     """
 
-    def __init__(self, model: Model, capsules: Capsules, limbs: int, decay: float) -> None:
-        self.model, self.capsules, self.decay = model, capsules, decay
+    def __init__(
+        self,
+        model: Model,
+        capsules: Capsules,
+        limbs: int,
+        decay: float,
+        rest: Array | None = None,
+    ) -> None:
+        self.model, self.capsules, self.decay, self.rest = model, capsules, decay, rest
         self.setting = lower(model)
         # Travel to 1e-6 is enough of what the general model confirms.
         self.setting = self.setting._replace(fineness=-(-self.setting.fineness // 2))
@@ -142,9 +151,7 @@ class Bench:
         n = gaits.n
         cycles = np.ceil(self.settle_time * gaits.angular_frequency / (2 * np.pi)).astype(np.int64)
         steps = _STEPS + 8 * (gaits.sine.shape[1] - 1)
-        found = settled(
-            self.setting, gaits, cycles=cycles + COUNTED, counted=COUNTED, steps=steps
-        )  # fmt: skip
+        found = self._settled(gaits, cycles + COUNTED, steps)
         angle, normal, s = self._cycle(gaits, found.motion)
         model, index = self.model.model, self.model.legs
         out = np.tile(pin.neutral(model), (n, normal.shape[1], 1))
@@ -209,12 +216,18 @@ class Bench:
             gaits.offset[0] + np.sin(turns) @ gaits.sine[0] + np.cos(turns) @ gaits.cosine[0]
         )
 
+    def _settled(self, gaits: GaitBatch, cycles: NDArray[np.int64], steps: int) -> Settled:
+        tilt = None if self.rest is None else np.tile(self.rest, (gaits.n, 1))
+        return settled(
+            self.setting, gaits, cycles=cycles, counted=COUNTED, steps=steps, tilt=tilt
+        )  # fmt: skip
+
     def _chunk(
         self, gaits: GaitBatch, cycles: NDArray[np.int64], *, forces: bool, clearance: bool
     ) -> Outcome:
         n, legs = gaits.offset.shape
         steps = _STEPS + 8 * (gaits.sine.shape[1] - 1)
-        found = settled(self.setting, gaits, cycles=cycles, counted=COUNTED, steps=steps)
+        found = self._settled(gaits, cycles, steps)
         values = dict(zip(RESULT, found.results.T, strict=True))
         status = np.where(values["status"] == LIFT_OFF, OK, values["status"])
         loads, torque = np.full((n, len(LOADS)), np.nan), np.full((n, legs), np.nan)

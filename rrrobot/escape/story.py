@@ -196,7 +196,10 @@ class _Work:
                 "the rocking about the rest does not decay, so no gait settles: give a damping."
             )
         capsules, limbs = capsules_of(belly.shapes, belly.covered)
-        self.bench = Bench(self.model, capsules, limbs, decay)
+        ground = belly.ground
+        level = ground.normal(ground.point(np.zeros(2)))[2] > 1.0 - 1e-12
+        rest = None if level or belly.rest is None else belly.rest[:2]
+        self.bench = Bench(self.model, capsules, limbs, decay, rest)
         shapes, least = belly.shapes, limits.separation
         about = stances(shapes, self.bench, posture, self.ends, limits, postures)
         benches = [self.bench.near(shapes, offset[None], least) for offset in about]
