@@ -17,7 +17,7 @@ import rrrobot
 from rrrobot import files, results
 from rrrobot.drive.gaits import sinusoidal
 from rrrobot.drive.moves import out_of_phase_gait
-from rrrobot.escape import atlas, confirming, loss, rolling_off
+from rrrobot.escape import atlas, confirming, edges, loss, story
 from rrrobot.machines import mechanism
 from rrrobot.momentum.coefficients import coefficients
 from rrrobot.orbits import many, travel
@@ -224,7 +224,9 @@ LEVER = 0.057 * 0.1 * 0.12
         ("tutorials/ten_lines.md", r"from ([\d.]+) to [\d.]+ of each mode", lambda: atlas.NEAR[0]),
         ("tutorials/ten_lines.md", r"from [\d.]+ to ([\d.]+) of each mode", lambda: atlas.NEAR[-1]),
         ("tutorials/ten_lines.md", r"differ by more than (\d) %", lambda: 100 * confirming.AGREE),
-        ("tutorials/ten_lines.md", r"rounded by (\d) cm", lambda: 100 * rolling_off.EDGE),
+        ("tutorials/ten_lines.md", r"rounded by (\d) cm", lambda: 100 * edges.EDGE),
+        ("tutorials/ten_lines.md", r"more than (\d+) degrees astray",
+         lambda: np.rad2deg(story._STRAIGHT)),
         ("tutorials/ten_lines.md", r"damping ratio of ([\d.]+)", lambda: loss.RATIO),
         ("theory/limit_cycles.md", r"comes to in (\d+) periods", lambda: many.SETTLING),
         ("theory/limit_cycles.md", r"no multiplier beyond ([\d.]+)", lambda: many._SURE),

@@ -27,7 +27,7 @@ _TRIED, _MOST = 400, 20
 """Postures of which Coal is asked whether links touch, and by how much where all do."""
 _APART = 0.005
 """Distance of links that is wanted [m]."""
-_ASIDE = 0.5
+ASIDE = 0.5
 """What a metre of the centre of mass to the side costs, in metres of its height."""
 _SHORT = 30.0
 """What a metre of clearance that is missing costs, likewise."""
@@ -125,15 +125,20 @@ class Search:
         """The best posture of a limb and its images, the others as they are."""
         return self._first_apart(self.candidates(angle, limb)[0], limb)
 
-    def candidates(self, angle: Array, limb: tuple[int, ...]) -> tuple[Array, Array]:
-        """Postures (n, legs) of a limb and its images, the best first, and what each costs (n,)."""
+    def candidates(
+        self, angle: Array, limb: tuple[int, ...], free: bool = False
+    ) -> tuple[Array, Array]:
+        """Postures (n, legs) of a limb and its images, the best first, and what each costs (n,).
+
+        Whatever is in their way if `free`.
+        """
         from scipy.stats import qmc
 
         legs = list(limb)
         unit = qmc.Sobol(len(legs), rng=np.random.default_rng(0)).random_base2(_POINTS)
         edge = _INSIDE * (self.high - self.low)
         low, high = (self.low + edge)[legs], (self.high - edge)[legs]
-        mine = self.capsules_of(self.moved(limb))
+        mine = [] if free else self.capsules_of(self.moved(limb))
         trials = np.tile(angle, (len(unit) + 1, 1))
         trials[1:, legs] = low + unit * (high - low)
         trials = self.mirrored(trials, limb)
@@ -196,7 +201,7 @@ class Search:
         # Of each: what a housing lacks, no posture changes.
         short = np.maximum(0.0, self.room - gaps.min(axis=2)).sum(axis=1)
         out = np.maximum(0, self.low - trials) + np.maximum(0, trials - self.high)
-        return self.height * centers[:, 2] + _ASIDE * aside + _SHORT * short + out.sum(axis=1)
+        return self.height * centers[:, 2] + ASIDE * aside + _SHORT * short + out.sum(axis=1)
 
     def gaps(self, trials: Array, capsules: list[Capsule]) -> tuple[Array, Array]:
         """Centres of mass (n, 3), distances from ground and floor (n, capsules, touches) [m]."""

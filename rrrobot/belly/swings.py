@@ -10,7 +10,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from rrrobot.belly.posture import Search
+from rrrobot.belly.posture import ASIDE, Search
 from rrrobot.checks import Array
 
 _FAR = 10.0
@@ -29,17 +29,19 @@ _BACK = 0.004
 """How far the centre of mass may go to the other side on the way [m]."""
 
 
-def leaning(search: Search, start: Array, side: Array) -> list[Array]:
+def leaning(search: Search, start: Array, side: Array, rise: float) -> list[Array]:
     """Postures (legs,) from `start` on, the last with the centre of mass far to a side (2,).
 
-    Limbs mirror each other as the search says. How high the centre of mass comes does not matter.
+    Limbs mirror each other as the search says.
 
     Args:
         search: of the robot over its ground; its aim is set here.
         start: posture (legs,).
         side: unit vector.
+        rise: how far to the side counts as much as a metre up: of a body that is to tip over at
+            an angle a, tan(a).
     """
-    search.middle, search.height = _FAR * side, 0.0
+    search.middle, search.height = _FAR * side, -ASIDE * rise
     passed = [start]
     for limb in search.groups():
         passed += _moved(search, passed[-1], limb)
@@ -47,6 +49,14 @@ def leaning(search: Search, start: Array, side: Array) -> list[Array]:
     if _clear(search, [passed[0], passed[-1]], every):
         return [passed[0], passed[-1]]
     return passed
+
+
+def farthest(search: Search, start: Array) -> Array:
+    """The posture (legs,) that leans most if nothing is in the legs' way, as `leaning` aims."""
+    angle = start
+    for limb in search.groups():
+        angle = search.candidates(angle, limb, free=True)[0][0]
+    return angle
 
 
 def _moved(search: Search, start: Array, limb: tuple[int, ...]) -> list[Array]:

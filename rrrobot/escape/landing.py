@@ -1,4 +1,4 @@
-"""How a rock lets a robot go: place, speed and pose at a run's end, and a bound on the fall."""
+"""How a rock lets a robot go: place, speed, pose and a bound on the fall; whether it goes over."""
 
 from __future__ import annotations
 
@@ -56,3 +56,41 @@ def heights(belly: Belly, q: Array) -> Array:
         + data.oMi[piece.joint].translation[2] - piece.radius
         for piece in belly.shapes.pieces
     ])  # fmt: skip
+
+
+def goes_over(belly: Belly, run: Trajectory, at: int, side: Array) -> bool:
+    """Whether the centre of mass is beyond the contact to a side, or has the energy to get there.
+
+    As of a sample `at` of a run.
+    """
+    q = run.configuration[at]
+    center = pin.centerOfMass(belly.robot.model, belly.robot.model.createData(), q)
+    arm = center - run.ground.point(run.position[at])
+    return bool(arm @ _out(q, side)[0] > 0 or _to_spare(belly, run, at, side) > 0)
+
+
+def _to_spare(belly: Belly, run: Trajectory, at: int, side: Array) -> float:
+    """Energy left over once it has gone over the contact to a side, for a unit of mass [J/kg].
+
+    As if the legs were held and the contact stayed from a sample on: with the angular momentum L
+    and the inertia I about it, and the centre of mass to rise by d until it is above it,
+
+        L |L| / (2 I m) - g d,      d = 0 where it is beyond it
+    """
+    own, q, mass = belly.robot.model, run.configuration[at], belly.robot.mass
+    data = own.createData()
+    pin.computeCentroidalMomentum(own, data, q, run.velocity[at])
+    arm = data.com[0] - run.ground.point(run.position[at])
+    outward, axis = _out(q, side)
+    turning = float((data.hg.angular + np.cross(arm, data.hg.linear)) @ axis)
+    inertia = float(axis @ data.Ig.inertia @ axis) + mass * float(np.sum(np.cross(axis, arm) ** 2))
+    rise = float(np.linalg.norm(arm) - arm[2]) if arm @ outward < 0 else 0.0
+    return turning * abs(turning) / (2.0 * inertia * mass) - run.gravity * rise
+
+
+def _out(q: Array, side: Array) -> tuple[Array, Array]:
+    """Horizontal unit vectors: to a side of the base, and the axis about which it tips there."""
+    out = pin.Quaternion(q[3:7].copy()).toRotationMatrix()[:, :2] @ side
+    out[2] = 0.0
+    out /= np.linalg.norm(out)
+    return out, np.cross((0.0, 0.0, 1.0), out)

@@ -1,9 +1,14 @@
 """Off a rock: the legs shift the centre of mass to a side until the belly rolls over its edge.
 
 On a boulder of radius R a flat belly rests where its centre of mass, h above it and c to the side,
-is over the contact: the place of that on the belly is about c R / (R - h). Where it comes to the
-belly's edge the robot tips over, about an edge that is rounded, and goes on until something of it
-reaches the floor, it slides off, or the rock pushes no longer. A round belly rolls on by itself.
+is over the contact: the place of that on the belly is about c R / (R - h). With the contact at the
+belly's edge, e to the side, the robot leans by e / R, and goes over by leaning alone if
+
+    (c - e) cos(e / R) + h sin(e / R) >= 0,
+
+so legs lean to the side, and up; what lacks there only speed makes up for. It tips over about an
+edge that is rounded, comes back to its face and rocks on, or goes on until something of it reaches
+the floor, it slides off, or the rock pushes no longer. A round belly rolls on by itself.
 
 There the run ends: what follows is a fall, and blows of which nobody knows how they end. `Landing`
 tells the place, the speed and the pose in which the rock lets go, and bounds the speed below.
@@ -13,10 +18,8 @@ on level ground goes on from there.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise
-from typing import Any
+from itertools import pairwise, product
 
 import numpy as np
 import pinocchio as pin
@@ -24,43 +27,39 @@ import pinocchio as pin
 from rrrobot.belly.clearance import clearances, gauges
 from rrrobot.belly.feasible import feasibility
 from rrrobot.belly.found import Belly
-from rrrobot.belly.placed import floors, touches, with_shell
+from rrrobot.belly.placed import floors, touches
 from rrrobot.belly.posture import Search
 from rrrobot.belly.ranges import flat_end
-from rrrobot.belly.swings import leaning
+from rrrobot.belly.swings import farthest, leaning
 from rrrobot.belly.tilting import tilts
 from rrrobot.checks import Array
 from rrrobot.contact.boulder import Boulder, depth_of_floor, is_rock
 from rrrobot.contact.ground import normals
 from rrrobot.contact.shells import FlatBelly
-from rrrobot.contact.surfaces import Ellipsoid
 from rrrobot.drive.damping import Damping
-from rrrobot.drive.gaits import CallableGait, Gait
 from rrrobot.drive.moves import LegMoves, Straight
-from rrrobot.errors import ModelError, SimulationError, SimulationInterrupted
+from rrrobot.errors import ModelError
+from rrrobot.escape.edges import BACK, FALL, OVER, back_on, joined, place_of, tipped, until
 from rrrobot.escape.goals import Escape
-from rrrobot.escape.landing import heights, landing
+from rrrobot.escape.landing import goes_over, heights, landing
 from rrrobot.escape.limits import EscapeLimits
 from rrrobot.escape.ways import RollOff
-from rrrobot.models.base import Model
 from rrrobot.models.full import FullModel
 from rrrobot.robot.joints import JointIndex
 from rrrobot.robot.limits import JointEnds
 from rrrobot.simulation.events import Event, Snapshot, lift_off
-from rrrobot.simulation.run import simulate
 from rrrobot.simulation.trajectory import Trajectory
 
-EDGE = 0.01
-"""Radius of a belly's edge [m]."""
 _ROOM, _AXIS = 0.01, 1e-9
-_OVER = np.deg2rad((15.0, 30.0, 45.0))
-"""Tilts beyond a flat belly's edge at which limbs are to be clear, too [rad]."""
-_SHORTEST = 0.5
-"""Of the legs' move [s]."""
-_FALL, _SAMPLE = 5.0, 0.005
+_TOUCHES = 4
+"""From the rest to the belly's edge, over which limbs are to be clear."""
+_SHORTEST = (0.5, 1.0, 2.0)
+"""Least times of each of the legs' moves, tried one after the other [s]."""
 _ASIDE = np.deg2rad(60.0)
-_FLOOR, _ROCK, _SLIDE, _LEFT, _BACK = "floor", "rock", "slide", "lift-off", "back"
-_LITTLE = 1e-3
+_FLOOR, _ROCK, _SLIDE, _LEFT = "floor", "rock", "slide", "lift-off"
+_EDGE = "edge of the flat belly"
+_TIMES = 20
+"""That a belly comes to its edge and back, at most."""
 _GONE = (_FLOOR, _SLIDE, _LEFT)
 
 
@@ -87,13 +86,7 @@ def roll_off(
     depth = depth_of_floor(ground, floor)
     assert depth is not None
     side = np.array(goal.weights[:2])
-    azimuth = float(np.arctan2(side[1], side[0]))
-    search = _search(belly, azimuth, depth)
-    passed = leaning(search, belly.posture, side)
-    shift = float((_mass_center(belly, passed[-1]) - _mass_center(belly, passed[0]))[:2] @ side)
-    drive = _moves(passed, limits.use * ends.velocity)
     model = FullModel(belly.robot, ground=ground, damping=damping)
-    watch = _watch(belly, depth)
     rest = np.zeros(3) if belly.rest is None else belly.rest
     q = model.configuration(model.make_pose(rest, np.zeros(2)), belly.posture)
     if (low := heights(belly, q)).min() < -depth:
@@ -102,29 +95,90 @@ def roll_off(
             f"{link} reaches the floor, {depth:g} m below the top of the rock: the robot does not "
             "hang on it. Give a higher floor=, or a posture with the legs up."
         )
-    run, said = _until(model, drive, drive.duration + _FALL, watch, euler=rest, start="rest")
-    own = feasibility(run, replace(limits, tilt=np.pi).of(run.robot.mass * run.gravity),
-                      belly=belly)  # fmt: skip
-    over, ended = float("nan"), said
-    if isinstance(belly.shell, FlatBelly) and "edge of the flat belly" in said:
-        over = float(run.time[-1])
-        run, ended = _tipped(belly, model, drive, run, [*watch, _slide(limits.friction)])
-    elif said in _GONE:
+    rate, (leans, least) = limits.use * ends.velocity, lean(belly, side, depth)
+    best: RollOff | None = None
+    for shortest, (passed, short) in product(_SHORTEST, leans):
+        if short > 0 and shortest > _SHORTEST[0]:
+            # What does not go over by leaning alone needs its speed.
+            continue
+        drive = _moves(passed, rate, shortest)
+        way = _attempt(belly, goal, limits, model, depth, (short, least), drive)
+        if best is None or (way.met, not way.link) > (best.met, not best.link):
+            best = way
+        if way.met and not way.link:
+            break
+    assert best is not None
+    return best
+
+
+def lean(belly: Belly, side: Array, depth: float) -> tuple[list[tuple[list[Array], float]], float]:
+    """Postures over which the legs go to lean to a side, and how far short that is of going over.
+
+    Args:
+        belly: on a boulder.
+        side: unit vector (2,).
+        depth: of the floor below the boulder's top [m].
+
+    Returns:
+        of each way to lean, its postures (legs,) [rad], and how far the centre of mass is then
+        from being over the contact with the belly at its edge [m]; and that number of the legs
+        that lean most if nothing is in their way.
+    """
+    search = _search(belly, float(np.arctan2(side[1], side[0])), depth)
+    found: list[tuple[list[Array], float]] = []
+    for rise in _rises(search):
+        passed = leaning(search, belly.posture, side, rise)
+        if not any(np.array_equal(passed[-1], other[-1]) for other, _ in found):
+            found.append((passed, _short(belly, search, passed[-1], side)))
+    return found, _short(belly, search, farthest(search, belly.posture), side)
+
+
+def _attempt(
+    belly: Belly, goal: Escape, limits: EscapeLimits, model: FullModel, depth: float,
+    short: tuple[float, float], drive: LegMoves,
+) -> RollOff:  # fmt: skip
+    """What comes of some moves of the legs."""
+    ground, side = model.ground, np.array(goal.weights[:2])
+    rest = np.zeros(3) if belly.rest is None else belly.rest
+    watch = _watch(belly, depth)
+    end = drive.moves[-1].end
+    shift = float((_mass_center(belly, end) - _mass_center(belly, belly.posture))[:2] @ side)
+    run, said = until(model, drive, drive.duration + FALL, watch, euler=rest, start="rest")
+    held = replace(limits, tilt=np.pi).of(run.robot.mass * run.gravity)
+    parts = [feasibility(run, held, belly=belly)]
+    over, ended, flat = float("nan"), said, isinstance(belly.shell, FlatBelly)
+    for _ in range(_TIMES):
+        at = float(run.time[-1])
+        if flat and _EDGE in ended:
+            over = at
+            run, ended = tipped(belly, model, drive, run, [*watch, _slide(limits.friction)])
+        elif ended == BACK and at < drive.duration + FALL:
+            on, ended = back_on(belly, model, drive, run, watch, drive.duration + FALL - at)
+            parts.append(feasibility(on, held, belly=belly))
+            run = joined(run, on)
+        else:
+            break
+    if not flat and said in _GONE:
         rolled, around = tilts(belly, run.configuration[-1:], run.position[-1:], ground)
         if said != _FLOOR or rolled[0] >= belly.rolling_range.at(around)[0]:
             over = float(run.time[-1])
+    elif ended not in (*_GONE, _ROCK, BACK):
+        over = float("nan")
     link = _lowest(belly, run) if ended == _FLOOR else ""
-    broken = [str(v) for v in own.violations]
+    broken = list(dict.fromkeys(str(v) for part in parts for v in part.violations))
     if ended == _FLOOR and np.isnan(over) and not broken:
+        rolled, _ = tilts(belly, run.configuration[-1:], run.position[-1:], ground)
         reason = (
             f"{link} reaches the floor while the belly still lies on the rock, rolled by "
             f"{np.rad2deg(rolled[0]):.0f} deg: legs higher with posture=, or a higher rock (floor=)"
         )
     else:
-        reason = _reason(belly, run, side, shift, ended, broken)
+        reason = _reason(belly, run, side, shift, short, ended, broken)
+    friction = max(part.peak_friction for part in parts)
     return RollOff(
-        goal=goal, drive=drive, shift=shift, met=not reason, reason=reason, ended=ended, link=link,
-        over=over, friction=own.peak_friction, landing=landing(belly, run, depth), trajectory=run,
+        goal=goal, drive=drive, shift=shift, short=short[0], least=short[1], met=not reason,
+        reason=reason, ended=ended, link=link, over=over, friction=friction,
+        landing=landing(belly, run, depth), trajectory=run,
     )  # fmt: skip
 
 
@@ -136,8 +190,10 @@ def _search(belly: Belly, azimuth: float, depth: float) -> Search:
     if isinstance(shell, FlatBelly):
         around = np.array((azimuth,))
         end = float(flat_end(shell, ground, around)[0])
-        over = _OVER
-    at = touches(shell, belly.center, ground, np.linspace(0.0, end, 4), np.full(4, azimuth))
+        over = OVER
+    at = touches(
+        shell, belly.center, ground, np.linspace(0.0, end, _TOUCHES), np.full(_TOUCHES, azimuth)
+    )
     side = np.array((np.cos(azimuth), np.sin(azimuth)))
     past = np.column_stack((np.sin(over)[:, None] * side, -np.cos(over)))
     at = at._replace(
@@ -150,11 +206,29 @@ def _search(belly: Belly, azimuth: float, depth: float) -> Search:
     return Search(belly.shapes, at, np.zeros(2), _ROOM, frozenset(belly.covered), floor, kinds)
 
 
-def _moves(passed: list[Array], rate: Array) -> LegMoves:
+def _rises(search: Search) -> list[float]:
+    """How far aside counts as much as a metre up for what is to go over the belly's edge [m].
+
+    As it is with the belly at its edge and, if that is flat, tipped a little about it.
+    """
+    assert search.floor is not None
+    ups = search.floor.up[_TOUCHES - 1 : _TOUCHES + 1]
+    return [float(np.linalg.norm(up[:2]) / up[2]) for up in ups]
+
+
+def _short(belly: Belly, search: Search, leg_angle: Array, side: Array) -> float:
+    """How far the centre of mass is from being over the contact with the belly at its edge [m]."""
+    assert search.floor is not None
+    up = search.floor.up[_TOUCHES - 1]
+    across = np.append(side * up[2], np.linalg.norm(up[:2]))
+    return float((search.at.point[_TOUCHES - 1] - _mass_center(belly, leg_angle)) @ across)
+
+
+def _moves(passed: list[Array], rate: Array, shortest: float) -> LegMoves:
     """The legs' moves from posture to posture, each from rest to rest."""
     moves = []
     for a, b in pairwise(passed if len(passed) > 1 else passed * 2):
-        duration = max(_SHORTEST, float((2.0 * np.abs(b - a) / rate).max()))
+        duration = max(shortest, float((2.0 * np.abs(b - a) / rate).max()))
         moves.append(Straight(start=a, end=b, duration=duration))
     return LegMoves(moves)
 
@@ -164,64 +238,6 @@ def _mass_center(belly: Belly, leg_angle: Array) -> Array:
     q = pin.neutral(model)
     JointIndex(model, belly.robot.legs).write(q, leg_angle)
     return np.array(pin.centerOfMass(model, model.createData(), q))
-
-
-def _until(
-    model: Model, drive: Gait, duration: float, events: Sequence[Event], **start: Any
-) -> tuple[Trajectory, str]:
-    """A run until something ends it, and what that was; empty if nothing did."""
-    try:
-        run = simulate(model, drive, duration, _SAMPLE, events=events, **start)
-    except SimulationInterrupted:
-        raise
-    except SimulationError as error:
-        if error.trajectory is None:
-            raise
-        return error.trajectory, str(error).partition(". State")[0]
-    return run, run.events[-1].name if run.time[-1] < duration * (1 - 1e-9) else ""
-
-
-def _tipped(
-    belly: Belly, model: Model, drive: Gait, run: Trajectory, watch: Sequence[Event]
-) -> tuple[Trajectory, str]:
-    """A run to a flat belly's edge, and how it goes on about that edge."""
-    shell, at = belly.shell, float(run.time[-1])
-    assert isinstance(shell, FlatBelly)
-    turn = pin.Quaternion(run.configuration[-1, 3:7].copy()).toRotationMatrix()
-    arm = run.ground.point(run.position[-1]) - run.configuration[-1, :3]
-    place = turn.T @ arm
-    across = np.abs(place - belly.center)[:2] / (shell.half_length or np.inf,
-                                                 shell.half_width or np.inf)  # fmt: skip
-    along = int(np.argmin(across))
-    long = max(EDGE, (shell.half_length, shell.half_width)[along] or EDGE)
-    edge = Ellipsoid((long, EDGE, EDGE) if along == 0 else (EDGE, long, EDGE))
-    robot = with_shell(belly.robot, edge, place + np.array((0.0, 0.0, EDGE)))
-    outward = np.zeros(3)
-    outward[1 - along] = np.sign((place - belly.center)[1 - along])
-
-    def beyond(at: Snapshot) -> float:
-        """How far its normal at the contact is beyond the flat face's, and a little."""
-        normal = normals(at.model.ground, at.position[None])[0]
-        return _LITTLE - float(normal @ at.R_world_body @ outward)
-
-    def later(time: float) -> tuple[Array, Array, Array]:
-        motion = drive(at + time)
-        return motion.angle, motion.rate, motion.acceleration
-
-    gait = CallableGait(later, n_legs=robot.n_legs, check_span=(0.0, 0.1), name="leg_moves")
-    over = FullModel(robot, ground=model.ground, damping=model.damping)
-    more, said = _until(
-        over, gait, _FALL, [*watch, Event(beyond, True, -1, _BACK)], euler=run.euler[-1],
-        start=run.euler_rates[-1], position=run.position[-1],
-    )  # fmt: skip
-    arrays: dict[str, Any] = {"time": np.append(run.time, at + more.time[1:])}
-    for name, value in vars(run).items():
-        after = getattr(more, name)
-        if isinstance(value, np.ndarray) and name not in ("time", "state", "memory"):
-            arrays[name] = np.concatenate((value, after[1:]))
-    # One state stands for both: the first model's has no place for the edge.
-    still = np.zeros((len(arrays["time"]), 0))
-    return replace(run, state=still, memory=still, end=None, events=more.events, **arrays), said
 
 
 def _watch(belly: Belly, depth: float) -> list[Event]:
@@ -262,32 +278,40 @@ def _lowest(belly: Belly, run: Trajectory) -> str:
 
 
 def _reason(
-    belly: Belly, run: Trajectory, side: Array, shift: float, ended: str, broken: list[str]
-) -> str:
+    belly: Belly, run: Trajectory, side: Array, shift: float, short: tuple[float, float],
+    ended: str, broken: list[str],
+) -> str:  # fmt: skip
     """Why a robot did not get off to a side; empty if it did."""
     if broken:
         return f"on the way {'; '.join(broken)}"
     if ended in _GONE:
         # The base's z axis leans to where it fell.
         turn = pin.Quaternion(run.configuration[-1, 3:7].copy()).toRotationMatrix()
-        lean = -turn[2, :2]
-        went = float(np.arccos(np.clip(lean @ side / max(np.linalg.norm(lean), 1e-12), -1, 1)))
-        if went <= _ASIDE:
-            return ""
-        return f"it goes over {np.rad2deg(went):.0f} deg away from that side"
+        down = -turn[2, :2]
+        went = float(np.arccos(np.clip(down @ side / max(np.linalg.norm(down), 1e-12), -1, 1)))
+        if went > _ASIDE:
+            return f"it goes over {np.rad2deg(went):.0f} deg away from that side"
+        if ended != _FLOOR and not goes_over(belly, run, -1, side):
+            return "it slips at its edge before it is sure to go over it"
+        return ""
+    moved = f"the legs move the centre of mass {1000 * shift:.0f} mm to that side"
     if ended == _ROCK:
-        return "a limb touches the rock on the way: legs higher with posture=, or a smaller rock"
-    if ended == _BACK:
         return (
-            f"the legs move the centre of mass {1000 * shift:.0f} mm to that side; the belly rocks "
-            "to its edge and back: a smaller rock would let it go"
+            f"{moved}, and a limb touches the rock on the way: legs higher with posture=, or a "
+            "smaller rock"
         )
-    if ended:
+    if ended not in ("", BACK):
         return ended
-    last = run.ground.point(run.position[-1]) - run.configuration[-1, :3]
-    turn = pin.Quaternion(run.configuration[-1, 3:7].copy()).toRotationMatrix()
-    place = float((turn.T @ last - belly.center)[:2] @ side)
-    return (
-        f"the legs move the centre of mass {1000 * shift:.0f} mm to that side, which rolls the "
-        f"belly {1000 * place:.0f} mm, and it stays on the rock: a smaller rock would let it go"
-    )
+    place = float((place_of(run) - belly.center)[:2] @ side)
+    done = f"{moved}, which rolls the belly {1000 * place:.0f} mm, and it stays on the rock"
+    return f"{done}: {lacks(*short)}"
+
+
+def lacks(short: float, least: float) -> str:
+    """What the centre of mass lacks with the belly at its edge [m], and what would help."""
+    if short <= 0:
+        return "a slower lean, or a smaller rock would let it go"
+    text = f"with the belly at its edge it is {1000 * short:.0f} mm short of going over"
+    if least <= 0:
+        return f"{text}, which legs could do that nothing is in the way of"
+    return f"{text}, {1000 * least:.0f} mm if nothing were in the way of the legs"

@@ -43,6 +43,10 @@ _TRIED = 12
 
 _BY_WAY = 2
 """Postures over which the legs of a robot that has fallen go to its belly's, at most."""
+_AIMS, _UNLIKE_WAYS = 3, 3
+"""Directions of the gait on the floor that are searched, and gaits in each that are confirmed."""
+_STRAIGHT = float(np.deg2rad(20.0))
+"""Angle from the wanted side up to which a gait's way is taken at once [rad]."""
 _NEAR = 5.0
 """Of directions [deg]: those so near are one."""
 
@@ -158,6 +162,11 @@ def unstick(
                 found = found.reached(goal, gaits)
             tell((i + 1) * budget)
     return found
+
+
+def _gains(way: RollOff) -> float:
+    """Speed of a way's gait on the floor to the wanted side [m/s]; none loses to any."""
+    return -np.inf if way.after is None else way.after.value * float(np.cos(way.astray))
 
 
 def _add(tell: Tell, before: float, done: float, part: str) -> None:
@@ -293,11 +302,27 @@ class _Work:
         # Along an axis of the robot, where gaits are symmetric and fast, if that is near.
         axis = 90.0 * round(side / 90.0)
         side = axis if abs(side - axis) < _NEAR else side
-        try:
-            gait = self.below.gaits(goal_of(f"direction:{side:.0f}"), *search)[0]
-        except (GaitError, ModelError) as error:
-            return replace(way, stays=str(error))
-        return replace(way, after=gait) if gait.met else replace(way, stays=why_not(gait))
+        budget, harmonics, _, tell = search
+        best, said = way, ""
+        for _ in range(_AIMS):
+            try:
+                gaits = self.below.gaits(
+                    goal_of(f"direction:{side:.0f}"), budget, harmonics, _UNLIKE_WAYS, tell
+                )
+            except (GaitError, ModelError) as error:
+                said = said or str(error)
+                break
+            ways = [replace(way, after=gait) for gait in gaits if gait.met]
+            if not ways:
+                said = said or why_not(gaits[0])
+                break
+            here = max(ways, key=_gains)
+            best = max(best, here, key=_gains)
+            if abs(best.astray) <= _STRAIGHT:
+                break
+            # Where it turns as it gets going, it is to begin beside the wanted side.
+            side -= float(np.rad2deg(here.astray))
+        return best if best.after is not None else replace(way, stays=said)
 
     def _nearer(self, bench: Bench, one: Judged) -> Bench | None:
         """None where links stay off the ground and each other; else a bench that knows better."""

@@ -25,9 +25,11 @@ def share_text(gait: EscapeGait | RollOff) -> str:
 
 def off_rows(way: RollOff) -> dict[str, str]:
     """What comes of leaning off a rock, in everyday units."""
+    lacking = "short of going" if way.short > 0 else "beyond where it goes"
     rows = {
         "legs move the centre of mass": f"{1000 * way.shift:.0f} mm to that side, in "
         f"{way.drive.duration:.2f} s",
+        "leaning, at the belly's edge": f"{1000 * abs(way.short):.0f} mm {lacking} over",
         "friction needed until it goes over": f"{way.friction:.2f}",
         "largest torque over its limit": share_text(way),
         "off the rock": "yes" if way.met else f"no: {way.reason}",

@@ -30,6 +30,10 @@ class RollOff:
         goal: the side.
         drive: of the legs, from the belly's posture to the one that leans.
         shift: of the centre of mass to that side by the legs [m].
+        short: how far, with the belly at its edge, the centre of mass is then from being over the
+            contact [m]; below zero it goes over by leaning alone, else only with the speed that
+            it has there.
+        least: the same of the posture that leans most if nothing is in the legs' way [m].
         met: whether the robot goes over, to that side, within the limits until it does.
         reason: why not, empty if it does.
         ended: what ended it: "floor", "slide" (more friction would be needed than there is),
@@ -54,6 +58,8 @@ class RollOff:
     goal: Escape
     drive: LegMoves
     shift: float
+    short: float
+    least: float
     met: bool
     reason: str
     ended: str
@@ -117,6 +123,7 @@ class RollOff:
         """Everything but the trajectory as plain data."""
         return {
             "goal": self.goal.to_dict(), "drive": self.drive.to_dict(), "shift": self.shift,
+            "short": self.short, "least": self.least,
             "met": self.met, "reason": self.reason, "ended": self.ended, "link": self.link,
             "over": self.over, "friction": self.friction, "duration": self.duration,
             "landing": self.landing._asdict(), "stays": self.stays,
@@ -132,7 +139,7 @@ class RollOff:
 def way_of(entry: Mapping[str, Any], folder: Path, run: str) -> RollOff:
     """The way of `to_dict`, with the trajectories that a folder holds."""
     drive: Any = gait_from_dict(entry["drive"])
-    same = ("shift", "met", "reason", "ended", "link", "friction", "stays")
+    same = ("shift", "short", "least", "met", "reason", "ended", "link", "friction", "stays")
     numbers = {key: entry[key] for key in same}
     over = float("nan") if entry["over"] is None else float(entry["over"])
     way = RollOff(
