@@ -8,9 +8,10 @@ equations.
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from rrrobot.momentum.coefficients import LANES
-from rrrobot.momentum.compiled import lane, lanes
+from rrrobot.momentum.compiled import lanes
 from rrrobot.momentum.lane import (
     DET,
     ROOM,
@@ -32,7 +33,7 @@ from rrrobot.momentum.lane import (
 )
 
 
-@lane
+@njit(inline="always")
 def round_on_plane(y, c, row, par, k, stage, center, radius, plane):  # type: ignore[no-untyped-def]
     """s = r n - c, x_dot = r w x n; P_dot = r Omega x n."""
     c0, c1, c2 = center[0], center[1], center[2]
@@ -53,7 +54,7 @@ def round_on_plane(y, c, row, par, k, stage, center, radius, plane):  # type: ig
         along_plane(plane, k, stage, i, r, x0, x1, x2)
 
 
-@lane
+@njit(inline="always")
 def round_on_boulder(  # type: ignore[no-untyped-def]
     y, c, row, par, k, stage, center, radius, curvature, limit, b
 ):
@@ -85,7 +86,7 @@ def round_on_boulder(  # type: ignore[no-untyped-def]
         k[stage, 7 * LANES + i], k[stage, 8 * LANES + i], _ = in_world(r, x0, x1, x2)
 
 
-@lane
+@njit(inline="always")
 def ellipsoid_on_plane(y, c, row, par, k, stage, center, terms, plane):  # type: ignore[no-untyped-def]
     """s = e - c, x_dot = (A y - e (e.y))/h with e = A n/h and y = w x n."""
     c0, c1, c2 = center[0], center[1], center[2]
@@ -115,7 +116,7 @@ def ellipsoid_on_plane(y, c, row, par, k, stage, center, terms, plane):  # type:
         along_plane(plane, k, stage, i, r, x0, x1, x2)
 
 
-@lane
+@njit(inline="always")
 def three_on_level(y, c, row, par, k, stage, center, terms):  # type: ignore[no-untyped-def]
     """Likewise of a sum of three ellipsoids, on level ground: s = sum e - c, x_dot = (sum H) y."""
     c0, c1, c2 = center[0], center[1], center[2]

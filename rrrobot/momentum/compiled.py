@@ -34,11 +34,6 @@ lanes: Any = compiled(**_BARE, fastmath={"contract", "nsz", "arcp"})
 """Likewise, with products and sums contracted: for loops over lanes, all of which it rounds
 alike."""
 
-lane: Any = njit(error_model="numpy", forceinline=True, fastmath={"contract", "nsz", "arcp"})
-"""Compiles what LLVM then inlines wherever it is called: what is done for one lane, or a loop over
-all. Numba's own inlining would infer the types anew at every place, which took most of the
-compilation."""
-
 
 def _borrowed(typing_context: Any, arrays: Any) -> Any:
     def generate(context: Any, builder: Any, signature: Any, values: Any) -> Any:

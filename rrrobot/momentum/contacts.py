@@ -6,16 +6,17 @@ Rows of the scratch are those of `lane.py`.
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from rrrobot.momentum.coefficients import LANES
-from rrrobot.momentum.compiled import lane, lanes
+from rrrobot.momentum.compiled import lanes
 from rrrobot.momentum.lane import N_GRAPH, N_SCRATCH, ROOM, H, N, R, S, bend_of
 from rrrobot.momentum.series import shell_series
 from rrrobot.momentum.terrain import BOULDER, ELLIPSOIDS, FLAT, GRAPH, ROUND, SLOPE
 from rrrobot.momentum.uneven import graph_normal
 
 
-@lane
+@njit(inline="always")
 def touch_lanes(y, terrain, b):  # type: ignore[no-untyped-def]
     """R, n_b, s and, of shells that are not round, H of every lane."""
     _turns(y, b)

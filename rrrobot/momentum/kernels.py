@@ -16,6 +16,7 @@ there depends on another lane.
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 from scipy.integrate import DOP853
 
 from rrrobot.momentum.coefficients import LANES
@@ -25,7 +26,7 @@ from rrrobot.momentum.common_pairs import (
     round_on_plane,
     three_on_level,
 )
-from rrrobot.momentum.compiled import lane, lanes
+from rrrobot.momentum.compiled import lanes
 from rrrobot.momentum.lane import brake, omega
 from rrrobot.momentum.rolling import evaluate_lanes
 from rrrobot.momentum.terrain import BOULDER, ELLIPSOIDS, LEVEL, ROUND, SLOPE
@@ -84,7 +85,7 @@ _WHICH, _WEIGHT = _packed([*DOP853.A[:N_STAGES, :N_STAGES], DOP853.B])
 """Of the state at each stage, and of the next step's."""
 
 
-@lane
+@njit(inline="always")
 def _rates(y, c, row, par, k, stage, travels):  # type: ignore[no-untyped-def]
     """k = dy/dt for every lane; that of the contact point only if it `travels`."""
     for i in range(LANES):
@@ -217,7 +218,7 @@ def _decoupled_rates(y, c, row, par, k, stage):  # type: ignore[no-untyped-def]
         k[stage, 9 * LANES + i] = w2
 
 
-@lane
+@njit(inline="always")
 def _advance(y, slopes, which, weights, n, h, size, total, out):  # type: ignore[no-untyped-def]
     """out = y + h (sum of weighted slopes) of `size` entries; total is scratch."""
     for g in range(which.shape[1]):
@@ -286,7 +287,7 @@ def step(  # type: ignore[no-untyped-def]
             else:
                 _decoupled_rates(work, table, row, par, slopes, stage)
         else:
-            # Written out: a function of its own would count references to the terrain's arrays.
+            # Written out: an inlined function would count references to each array of the terrain.
             if terrain.shell == ROUND and terrain.ground == LEVEL:
                 round_on_plane(
                     work, table, row, par, slopes, stage, terrain.center, terrain.radius, None

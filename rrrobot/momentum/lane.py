@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from rrrobot.checks import Array
 from rrrobot.momentum.coefficients import LANES
-from rrrobot.momentum.compiled import lane
 from rrrobot.momentum.terrain import Terrain
 
 R, N, S, H, W, P, X, U, UP = 0, 9, 12, 15, 21, 24, 27, 30, 36
@@ -29,7 +29,7 @@ def scratch(terrain: Terrain | None) -> Array:
     return rows.reshape(-1)
 
 
-@lane
+@njit(inline="always")
 def turn(y, i):  # type: ignore[no-untyped-def]
     """R of lane i, row by row."""
     x, v, z, w = y[i], y[LANES + i], y[2 * LANES + i], y[3 * LANES + i]
@@ -41,7 +41,7 @@ def turn(y, i):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-@lane
+@njit(inline="always")
 def in_body(r, b0, b1, b2):  # type: ignore[no-untyped-def]
     """R^T b, of what `turn` gives."""
     return (
@@ -51,7 +51,7 @@ def in_body(r, b0, b1, b2):  # type: ignore[no-untyped-def]
     )
 
 
-@lane
+@njit(inline="always")
 def in_world(r, x0, x1, x2):  # type: ignore[no-untyped-def]
     """R x."""
     return (
@@ -61,7 +61,7 @@ def in_world(r, x0, x1, x2):  # type: ignore[no-untyped-def]
     )
 
 
-@lane
+@njit(inline="always")
 def omega(y, c, row, i, mass, m0, m1, m2, p0, p1, p2, s0, s1, s2):  # type: ignore[no-untyped-def]
     """w of lane i: I_P w = K - L_rel - s x p_rel."""
     b0 = y[4 * LANES + i] - c[row, 12 * LANES + i] - (s1 * p2 - s2 * p1)
@@ -92,7 +92,7 @@ def omega(y, c, row, i, mass, m0, m1, m2, p0, p1, p2, s0, s1, s2):  # type: igno
     )
 
 
-@lane
+@njit(inline="always")
 def velocity(y, c, row, par, i, s0, s1, s2):  # type: ignore[no-untyped-def]
     """w and p of lane i."""
     m0, m1, m2 = c[row, i], c[row, LANES + i], c[row, 2 * LANES + i]
@@ -105,7 +105,7 @@ def velocity(y, c, row, par, i, s0, s1, s2):  # type: ignore[no-untyped-def]
     return w0, w1, w2, p0, p1, p2
 
 
-@lane
+@njit(inline="always")
 def finish(  # type: ignore[no-untyped-def]
     y, c, row, par, k, stage, i, zx, zy, zz, s0, s1, s2, w0, w1, w2, p0, p1, p2, x0, x1, x2
 ):
@@ -121,7 +121,7 @@ def finish(  # type: ignore[no-untyped-def]
     brake(y, par, k, stage, i, zx, zy, zz, w0, w1, w2, f0, f1, f2)
 
 
-@lane
+@njit(inline="always")
 def brake(y, par, k, stage, i, zx, zy, zz, w0, w1, w2, f0, f1, f2):  # type: ignore[no-untyped-def]
     """Rates of the quaternion and of yaw of lane i, and of K: a moment f and the damping."""
     qx, qy, qz, qw = y[i], y[LANES + i], y[2 * LANES + i], y[3 * LANES + i]
@@ -144,7 +144,7 @@ def brake(y, par, k, stage, i, zx, zy, zz, w0, w1, w2, f0, f1, f2):  # type: ign
     k[stage, 9 * LANES + i] = yaw_rate
 
 
-@lane
+@njit(inline="always")
 def bend_of(term, n0, n1, n2):  # type: ignore[no-untyped-def]
     """e = A n/h and H = (A - e e^T)/h of an ellipsoid with h = sqrt(n.A n).
 
@@ -165,7 +165,7 @@ def bend_of(term, n0, n1, n2):  # type: ignore[no-untyped-def]
     )  # fmt: skip
 
 
-@lane
+@njit(inline="always")
 def normal_of(plane, r):  # type: ignore[no-untyped-def]
     """n_b of a plane, which is None if level: Numba leaves out the other branch."""
     if plane is None:
@@ -173,7 +173,7 @@ def normal_of(plane, r):  # type: ignore[no-untyped-def]
     return in_body(r, plane[0], plane[1], plane[2])
 
 
-@lane
+@njit(inline="always")
 def along_plane(plane, k, stage, i, r, x0, x1, x2):  # type: ignore[no-untyped-def]
     """Rates of a plane's coordinates, of P_dot = R x_dot; the plane as in `normal_of`."""
     d0 = r[0] * x0 + r[1] * x1 + r[2] * x2

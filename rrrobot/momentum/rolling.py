@@ -15,16 +15,18 @@ kinds of shell and ground; between them lane's numbers are kept in rows of a scr
 
 from __future__ import annotations
 
+from numba import njit
+
 from rrrobot.momentum.coefficients import LANES
 from rrrobot.momentum.common_pairs import bent_on_plane
-from rrrobot.momentum.compiled import lane, lanes
+from rrrobot.momentum.compiled import lanes
 from rrrobot.momentum.contacts import touch_lanes
 from rrrobot.momentum.lane import DET, H, N, P, R, S, W, X, along_plane, finish, velocity
 from rrrobot.momentum.terrain import BOULDER, FLAT, ROUND, SLOPE
 from rrrobot.momentum.uneven import graph_rate
 
 
-@lane
+@njit(inline="always")
 def evaluate_lanes(y, c, row, par, k, stage, terrain, b):  # type: ignore[no-untyped-def]
     """k = dy/dt, with w, p and x_dot of every lane left in the scratch."""
     touch_lanes(y, terrain, b)

@@ -10,10 +10,11 @@ Rows of the scratch `b` are those of `rolling.py`.
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from rrrobot.contact.splines import DEGREE, WEIGHTS
 from rrrobot.momentum.coefficients import LANES
-from rrrobot.momentum.compiled import inner, lane, lanes
+from rrrobot.momentum.compiled import inner, lanes
 from rrrobot.momentum.lane import DET, N_SCRATCH, ROOM, H, N, R, U, W, X
 
 _N_KNOTS = DEGREE + 1
@@ -23,7 +24,7 @@ _CELL, _ROWS = N_SCRATCH, N_SCRATCH + 1
 direction c_jq u^q at 6 j + q, with u from 0 to 1 across the cell in y."""
 
 
-@lane
+@njit(inline="always")
 def _knot(b, j, t, u, i):  # type: ignore[no-untyped-def]
     """What knot j adds to f_x, f_y, f_xx, f_xy, f_yy, in units of the spacing."""
     at = (_ROWS + _N_KNOTS * j) * LANES + i

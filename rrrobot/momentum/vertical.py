@@ -9,10 +9,11 @@ off by 1e-5.
 from __future__ import annotations
 
 import numpy as np
+from numba import njit
 
 from rrrobot.checks import Array
 from rrrobot.momentum.coefficients import LANES
-from rrrobot.momentum.compiled import borrowed, compiled, inner, lane, lanes
+from rrrobot.momentum.compiled import borrowed, compiled, inner, lanes
 from rrrobot.momentum.interpolation import between, interpolate
 
 N_PAST = 3
@@ -48,7 +49,7 @@ def watch(y, k, h, past, sides):  # type: ignore[no-untyped-def]
         sides[0, i], sides[1, i] = a, b
 
 
-@lane
+@njit(inline="always")
 def may_pass(past, i, known, largest):  # type: ignore[no-untyped-def]
     """Whether |sine| of lane i may have been larger within the newest step; cheap.
 
