@@ -37,6 +37,7 @@ from rrrobot.momentum.summary import (
     motion_of,
     tilt_of,
 )
+from rrrobot.momentum.terrain import SLOPE
 from rrrobot.momentum.vertical import N_PAST, largest_between, may_pass, watch
 
 
@@ -147,7 +148,7 @@ def _settle(axis, limit, terrain, first, work, motion, out):  # type: ignore[no-
                 _check(
                     work.past, known, work.sides, limit, cycle, n, ends, work.largest, work.status
                 )
-                if terrain is not None:
+                if terrain is not None and terrain.ground > SLOPE:
                     _check_ground(work.rolling, cycle, n, ends, work.status)
             if cycle == last:
                 break
