@@ -88,7 +88,7 @@ def test_a_robot_leans_over_the_edge_and_slides_off_to_that_side(crane):
     assert needed[at + 1 :].max() <= LIMITS.friction * (1 + 1e-6)
     assert needed[-1] == pytest.approx(LIMITS.friction, rel=1e-2)
     side = np.array((0.0, 1.0))
-    assert goes_over(crane, run, -1, side) and not goes_over(crane, run, -1, -side)
+    assert goes_over(crane, run, side) and not goes_over(crane, run, -side)
     # It is left of the rock, leans left, and could fall no faster than its energy allows.
     at, last = way.landing, run.configuration[-1]
     assert (at.ahead, at.left) == tuple(last[:2]) and at.left > 0.05 and abs(at.heading) < 0.1

@@ -58,29 +58,32 @@ def heights(belly: Belly, q: Array) -> Array:
     ])  # fmt: skip
 
 
-def goes_over(belly: Belly, run: Trajectory, at: int, side: Array) -> bool:
-    """Whether the centre of mass is beyond the contact to a side, or has the energy to get there.
+def goes_over(belly: Belly, run: Trajectory, side: Array) -> bool:
+    """Whether a run ends with the centre of mass beyond the contact, or the energy to get there.
 
-    As of a sample `at` of a run.
+    Args:
+        belly: of the robot.
+        run: on its rock.
+        side: horizontal unit vector in the base's frame (2,).
     """
-    q = run.configuration[at]
+    q = run.configuration[-1]
     center = pin.centerOfMass(belly.robot.model, belly.robot.model.createData(), q)
-    arm = center - run.ground.point(run.position[at])
-    return bool(arm @ _out(q, side)[0] > 0 or _to_spare(belly, run, at, side) > 0)
+    arm = center - run.ground.point(run.position[-1])
+    return bool(arm @ _out(q, side)[0] > 0 or _to_spare(belly, run, side) > 0)
 
 
-def _to_spare(belly: Belly, run: Trajectory, at: int, side: Array) -> float:
+def _to_spare(belly: Belly, run: Trajectory, side: Array) -> float:
     """Energy left over once it has gone over the contact to a side, for a unit of mass [J/kg].
 
-    As if the legs were held and the contact stayed from a sample on: with the angular momentum L
+    As if the legs were held and the contact stayed from a run's end on: with the angular momentum L
     and the inertia I about it, and the centre of mass to rise by d until it is above it,
 
         L |L| / (2 I m) - g d,      d = 0 where it is beyond it
     """
-    own, q, mass = belly.robot.model, run.configuration[at], belly.robot.mass
+    own, q, mass = belly.robot.model, run.configuration[-1], belly.robot.mass
     data = own.createData()
-    pin.computeCentroidalMomentum(own, data, q, run.velocity[at])
-    arm = data.com[0] - run.ground.point(run.position[at])
+    pin.computeCentroidalMomentum(own, data, q, run.velocity[-1])
+    arm = data.com[0] - run.ground.point(run.position[-1])
     outward, axis = _out(q, side)
     turning = float((data.hg.angular + np.cross(arm, data.hg.linear)) @ axis)
     inertia = float(axis @ data.Ig.inertia @ axis) + mass * float(np.sum(np.cross(axis, arm) ** 2))

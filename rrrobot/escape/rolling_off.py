@@ -291,7 +291,7 @@ def _reason(
         went = float(np.arccos(np.clip(down @ side / max(np.linalg.norm(down), 1e-12), -1, 1)))
         if went > _ASIDE:
             return f"it goes over {np.rad2deg(went):.0f} deg away from that side"
-        if ended != _FLOOR and not goes_over(belly, run, -1, side):
+        if ended != _FLOOR and not goes_over(belly, run, side):
             return "it slips at its edge before it is sure to go over it"
         return ""
     moved = f"the legs move the centre of mass {1000 * shift:.0f} mm to that side"
